@@ -1,0 +1,54 @@
+# bramah_add_plugin(<name> <sources>...)
+#
+# A library of components that Bramah loads at run time: <name>.so, and with BRAMAH_V3_TWINS on x86-64 also <name>.v3.so,
+# the same sources compiled for processors with AVX2 and FMA. The targets are <name> and <name>.v3.
+# Put where BRAMAH_PLUGIN_OUTPUT_DIRECTORY says, if it is set; installed to lib/bramah/plugins.
+# One file serves Bramah itself and, from the installed package, everybody else.
+if(CMAKE_BUILD_TYPE STREQUAL "Release")
+  option(BRAMAH_V3_TWINS "Compile each plugin a second time for x86-64-v3 (AVX2, FMA)" ON)
+else()
+  option(BRAMAH_V3_TWINS "Compile each plugin a second time for x86-64-v3 (AVX2, FMA)" OFF)
+endif()
+
+set(BRAMAH_PLUGIN_MAP ${CMAKE_CURRENT_LIST_DIR}/plugin.map)
+
+function(bramah_add_plugin name)
+  # A whole second file rather than a second translation unit: the linker might give a template instantiated for AVX2 to
+  # the code meant for every processor.
+  bramah_add_plugin_variant(${name} ${ARGN})
+  if(BRAMAH_V3_TWINS AND CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
+    bramah_add_plugin_variant(${name}.v3 ${ARGN})
+    target_compile_options(${name}.v3 PRIVATE -march=x86-64-v3)
+  endif()
+endfunction()
+
+function(bramah_add_plugin_variant target)
+  # A plugin in plain C needs the C header only, and no C++ compiler.
+  get_property(languages GLOBAL PROPERTY ENABLED_LANGUAGES)
+  if(CXX IN_LIST languages)
+    set(border Bramah::sdk)
+  else()
+    set(border Bramah::abi)
+  endif()
+  add_library(${target} MODULE ${ARGN})
+  target_link_libraries(${target} PRIVATE ${border})
+  set_target_properties(${target} PROPERTIES
+    PREFIX ""
+    SUFFIX ".so"
+    POSITION_INDEPENDENT_CODE ON
+    C_VISIBILITY_PRESET hidden
+    CXX_VISIBILITY_PRESET hidden
+    VISIBILITY_INLINES_HIDDEN ON
+    CXX_EXTENSIONS OFF
+    LINK_DEPENDS ${BRAMAH_PLUGIN_MAP})
+  if(BRAMAH_PLUGIN_OUTPUT_DIRECTORY)
+    set_target_properties(${target} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${BRAMAH_PLUGIN_OUTPUT_DIRECTORY})
+  endif()
+  # Hidden visibility alone still exports instantiations of standard templates, some of them unique in the whole process:
+  # the version script leaves the one entry point.
+  target_compile_options(${target} PRIVATE
+    $<$<CONFIG:Release>:-O3>
+    $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>)
+  target_link_options(${target} PRIVATE LINKER:--version-script=${BRAMAH_PLUGIN_MAP} LINKER:--exclude-libs,ALL)
+  install(TARGETS ${target} LIBRARY DESTINATION lib/bramah/plugins)
+endfunction()

@@ -1,0 +1,31 @@
+// A hose: adds its share of V / B_e, Eq. (2), to the balance of a volume.
+//
+//   K = V_h (1 / B_oil + 1 / B_h)   m^3/Pa
+//
+//   V_h     m^3   volume of the hose
+//   B_h     Pa    bulk modulus of its wall
+//   B_oil   Pa    bulk modulus of the oil
+#pragma once
+
+#include <bramah/component.hpp>
+
+namespace bramah::hydraulics {
+
+struct Hose {
+  Pressure volume;
+  double V_h = 1e-5, B_h = 1e9, B_oil = 1e9;
+
+  void describe(Description& is) {
+    is.called("hydraulics/hose", "an elastic hose full of oil, Eq. (2)");
+    is.port("volume", volume, "the volume it is part of", "Pa");
+    is.parameter("V_h", V_h, "m^3").above(0.0).doc("volume of the hose");
+    is.parameter("B_h", B_h, "Pa").above(0.0).doc("bulk modulus of its wall");
+    is.parameter("B_oil", B_oil, "Pa").above(0.0).doc("bulk modulus of the oil");
+  }
+  template <class T>
+  void balance(const At<T>&, Rows<T>& rows) const {
+    rows.store(volume, V_h * (1.0 / B_oil + 1.0 / B_h));
+  }
+};
+
+}  // namespace bramah::hydraulics

@@ -1,0 +1,40 @@
+// JSON to Scene: syntax, duplicate keys, depth and the shape of the document. Meaning is `compile`'s.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "system/diagnostic.hpp"
+#include "system/scene.hpp"
+
+namespace bramah {
+
+/// Reads a scene file (UTF-8 JSON, a byte order mark is allowed; // and /* */ are comments). Throws SceneError with
+/// every fault found; after a syntax error only what stands before it has been read.
+Scene read_scene(const std::filesystem::path& file);
+
+/// The file's text alone, so that faults thrown by `read_scene_text` can be rendered with their places. Throws
+/// SceneError where there is no readable file of at most 1 GiB.
+Source read_source(const std::filesystem::path& file);
+
+/// The same from text; `name` stands for the file in messages.
+Scene read_scene_text(std::string_view text, std::string_view name);
+
+/// 1-based line and column (in characters, not bytes).
+struct Place {
+  std::size_t line = 1;
+  std::size_t column = 1;
+};
+/// Where a diagnostic points to in the text; the closest existing parent where the pointer itself does not exist.
+Place locate(const Source& source, const Diagnostic& diagnostic);
+
+/// The message that users read, one block per fault:
+///   scenes/bad.json:12:15: error: unknown key "volum" of hydraulics/hose   [unknown-key]
+///     at        /components/hose2/volum
+///     expected  one of: volume, V_h, B_h, B_oil
+///     to do     did you mean "volume"?
+/// The place is left out for faults of the document as a whole and for scenes without text; empty lines are left out.
+std::string render(const Source& source, const SceneError& error);
+
+}  // namespace bramah

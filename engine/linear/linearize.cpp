@@ -1,0 +1,371 @@
+#include "linear/linearize.hpp"
+
+#include <Eigen/SparseCore>
+#include <cmath>
+#include <cstdio>
+
+#include "system/analysis_error.hpp"
+
+namespace bramah {
+namespace {
+
+using Eigen::MatrixXd;
+using Sparse = Eigen::Map<const Eigen::SparseMatrix<double, Eigen::ColMajor, Index>>;
+
+Sparse matrix(const SparsePlan& plan) {
+  return {plan.rows(), plan.columns(), plan.nonzeros(), plan.start().data(), plan.row().data(), plan.values().data()};
+}
+sparse::CscView view(const SparsePlan& plan) {
+  return {plan.rows(), plan.columns(), plan.start().data(), plan.row().data(), plan.values().data()};
+}
+void fill(SparsePlan& plan, const Blocks& blocks) {
+  const double one = 1.0;
+  plan.fill(blocks, {&one, 1});
+}
+void factor(sparse::Klu& lu, const SparsePlan& plan, const char* what) {
+  if (lu.factor(view(plan))) return;
+  throw AnalysisError("linearize", std::string(what) + " is singular at this state", "a partition that holds here",
+                      "choose the independent coordinates anew at this state, or prescribe others");
+}
+std::string digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+std::string per_second(const std::string& unit) { return unit == "1" ? "1/s" : unit + "/s"; }
+
+constexpr double consistency = 1e-6;  // of a row against its largest terms: well above rounding, well below any physics
+constexpr double kink_width = 1e-9;   // of a switching function, in its nominal
+
+}  // namespace
+
+Linearizer::Linearizer(const System& system, Partition partition, std::vector<Measured> outputs)
+    : system_(system), partition_(std::move(partition)), outputs_(std::move(outputs)), blocks_(system), kkt_(system, partition_.rows) {
+  const Index n = system.n(), nz = system.nz(), nu = system.nu(), zu = nz + nu;
+  const Index rows = static_cast<Index>(partition_.rows.size()), m = partition_.holonomic;
+  const std::span<const Index> all_rows = partition_.rows;
+  const std::vector<Index> x = shifted(n, 0), v = shifted(n, n), zu_columns = shifted(zu, 2 * n);
+  const std::vector<Index> c = selected(system.m(), all_rows.first(static_cast<std::size_t>(m))), r = selected(system.m() + system.l(), all_rows);
+  {
+    const Term terms[] = {{BRAMAH_C_X, c, x, false, 0}};
+    C_x_ = SparsePlan(system, m, n, terms);
+  }
+  {
+    const Term terms[] = {{BRAMAH_R_V, r, x, false, 0}};
+    D_ = SparsePlan(system, rows, n, terms);
+  }
+  {
+    const Term terms[] = {{BRAMAH_R_X, r, x, false, 0}};
+    D_rate_ = SparsePlan(system, rows, n, terms);
+  }
+  {
+    const std::vector<Index> f = shifted(n, 0), s = selected(system.m() + system.l(), all_rows, n), g = shifted(nz, n + rows);
+    const Term terms[] = {
+        {BRAMAH_F_X, f, x, false, 0}, {BRAMAH_L_X, f, x, false, 0}, {BRAMAH_F_V, f, v, false, 0},
+        {BRAMAH_F_Z, f, zu_columns, false, 0}, {BRAMAH_F_U, f, zu_columns, false, 0},
+        {BRAMAH_S_X, s, x, false, 0}, {BRAMAH_S_V, s, v, false, 0},
+        {BRAMAH_G_X, g, x, false, 0}, {BRAMAH_G_V, g, v, false, 0}, {BRAMAH_G_Z, g, zu_columns, false, 0}, {BRAMAH_G_U, g, zu_columns, false, 0}};
+    loads_ = SparsePlan(system, n + rows + nz, 2 * n + zu, terms);
+  }
+  {
+    const std::vector<Index> d = selected(n, partition_.d);
+    const Term terms[] = {{BRAMAH_C_X, c, d, false, 0}};
+    C_xd_ = SparsePlan(system, m, m, terms);
+    lu_C_xd_.analyze(view(C_xd_));
+  }
+  {
+    std::vector<Index> dd_list = partition_.d;
+    dd_list.insert(dd_list.end(), partition_.ad.begin(), partition_.ad.end());
+    const std::vector<Index> dd = selected(n, dd_list);
+    const Term terms[] = {{BRAMAH_R_V, r, dd, false, 0}};
+    D_dd_ = SparsePlan(system, rows, rows, terms);
+    lu_D_dd_.analyze(view(D_dd_));
+  }
+  {
+    // Component outputs only; variables are picked directly.
+    const std::vector<Index> y = shifted(system.ny(), 0), a = shifted(n, 0), lambda = selected(system.m() + system.l(), all_rows, n);
+    const Term motion[] = {{BRAMAH_Y_X, y, x, false, 0}, {BRAMAH_Y_V, y, v, false, 0}, {BRAMAH_Y_Z, y, zu_columns, false, 0}, {BRAMAH_Y_U, y, zu_columns, false, 0}};
+    y_motion_ = SparsePlan(system, system.ny(), 2 * n + zu, motion);
+    const Term response[] = {{BRAMAH_Y_A, y, a, false, 0}, {BRAMAH_Y_LAMBDA, y, lambda, false, 0}};
+    y_response_ = SparsePlan(system, system.ny(), n + rows + nz, response);
+  }
+
+  const auto coordinate = [&](Index i) -> const Variable& { return system.x[static_cast<std::size_t>(i)]; };
+  for (const Index i : partition_.ai) reduced_states_.push_back({coordinate(i).name, coordinate(i).unit, coordinate(i).nominal});
+  for (const Index i : partition_.ai) reduced_states_.push_back({coordinate(i).name + ".rate", per_second(coordinate(i).unit), coordinate(i).nominal});
+  for (const Index i : partition_.ad) reduced_states_.push_back({coordinate(i).name, coordinate(i).unit, coordinate(i).nominal});
+  for (const Variable& q : system.x) augmented_states_.push_back({q.name, q.unit, q.nominal});
+  for (const Variable& q : system.x) augmented_states_.push_back({q.name + ".rate", per_second(q.unit), q.nominal});
+  for (const Variable& z : system.z) {
+    reduced_states_.push_back({z.name, z.unit, z.nominal});
+    augmented_states_.push_back({z.name, z.unit, z.nominal});
+  }
+  for (const InputSignal& input : system.inputs) input_names_.push_back({input.name, input.unit, 1.0});
+  for (const Measured& y : outputs_) output_names_.push_back({y.name, y.unit, 1.0});
+}
+
+void Linearizer::evaluate(const State& state) {
+  Request request = Request{}.rows("fgcrs").blocks({BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_G_X, BRAMAH_G_V,
+                                                    BRAMAH_G_Z, BRAMAH_G_ZDOT, BRAMAH_G_U, BRAMAH_C_X, BRAMAH_R_X, BRAMAH_R_V,
+                                                    BRAMAH_S_X, BRAMAH_S_V, BRAMAH_L_X});
+  if (!outputs_.empty()) request.blocks({BRAMAH_Y_X, BRAMAH_Y_V, BRAMAH_Y_A, BRAMAH_Y_Z, BRAMAH_Y_U, BRAMAH_Y_LAMBDA});
+  const Outcome outcome = blocks_.evaluate(system_, state, request);
+  if (!outcome.ok()) throw AnalysisError("linearize", outcome.message, "a state at which every component can be evaluated", "linearize elsewhere");
+  fill(loads_, blocks_);
+  check_consistent();
+  kkt_.factor(blocks_);
+}
+
+/// Eqs. (16)-(20) and the acceleration rows: each row against the size of the terms that it balances.
+void Linearizer::check_consistent() const {
+  const auto n = static_cast<std::size_t>(system_.n());
+  double worst = consistency;
+  std::string name, remedy;
+  double found = 0.0;
+  const auto look = [&](double residual, double scale, const std::string& what, const char* mend) {
+    if (!(std::abs(residual) > worst * scale)) return;
+    worst = std::abs(residual) / scale;
+    found = residual;
+    name = what;
+    remedy = mend;
+  };
+  // What a change of one nominal in any variable does to a row is the size of its terms.
+  Vector scale(static_cast<std::size_t>(loads_.rows()), 0.0);
+  for (Index j = 0; j < loads_.columns(); ++j) {
+    const auto column = static_cast<std::size_t>(j);
+    const double nominal = column < 2 * n ? system_.x[column % n].nominal
+                           : column < 2 * n + system_.z.size() ? system_.z[column - 2 * n].nominal : 1.0;
+    for (Index e = loads_.start()[column]; e < loads_.start()[column + 1]; ++e) {
+      const auto entry = static_cast<std::size_t>(e);
+      double& row = scale[static_cast<std::size_t>(loads_.row()[entry])];
+      row = std::max(row, std::abs(loads_.values()[entry]) * nominal);
+    }
+  }
+  constexpr double nothing = 1e-300;
+  const std::size_t rows = partition_.rows.size();
+  for (std::size_t i = 0; i < n; ++i) look(blocks_.f[i], std::max({scale[i], 1.0}), "Eq. (16), the force balance of " + system_.x[i].name, "complete the accelerations and multipliers first, or find the equilibrium");
+  for (std::size_t i = 0; i < system_.z.size(); ++i) look(blocks_.g[i], scale[n + rows + i] + nothing, "Eq. (19), the storage balance of " + system_.z[i].name, "complete the rates of first-order variables first");
+  for (std::size_t i = 0; i < system_.holonomic.size(); ++i) look(blocks_.c[i], 1.0, "Eq. (17), the constraint " + system_.holonomic[i].name, "assemble the positions first");
+  for (std::size_t i = 0; i < rows; ++i) {
+    const Index row = partition_.rows[i];
+    look(blocks_.r[static_cast<std::size_t>(row)], 1.0, "Eq. (18), the rate of constraint " + system_.constraint(row).name, "assemble the velocities first");
+    look(blocks_.s[static_cast<std::size_t>(row)], std::max(1.0, scale[n + i]), "the acceleration of constraint " + system_.constraint(row).name, "complete the accelerations first");
+  }
+  if (name.empty()) return;
+  throw AnalysisError("linearize", name + " is violated by " + digits(found), "a state that satisfies Eqs. (16)-(20) to " + digits(consistency) + " of their terms", remedy);
+}
+
+/// What follows from `motion_`: accelerations, multipliers and rates, by Eqs. (23), (26), (28), (37) solved together.
+/// Eliminating the multipliers with T^T as in Steps 1, 3 and 7 gives the same accelerations; here they stay, for outputs.
+void Linearizer::respond() {
+  response_.noalias() = -(matrix(loads_) * motion_);
+  kkt_.solve({response_.data(), static_cast<std::size_t>(response_.size())}, response_.cols());
+}
+
+void Linearizer::linearize(const State& state, LinearModel& model) {
+  evaluate(state);
+  fill(C_x_, blocks_);
+  fill(D_, blocks_);
+  fill(D_rate_, blocks_);
+  fill(C_xd_, blocks_);
+  fill(D_dd_, blocks_);
+  factor(lu_C_xd_, C_xd_, "the matrix C_xd of Eq. (42)");
+  factor(lu_D_dd_, D_dd_, "the matrix D_dd of Eq. (31)");
+
+  const Index n = system_.n(), nz = system_.nz(), nu = system_.nu();
+  const auto k = static_cast<Index>(partition_.ai.size()), l = static_cast<Index>(partition_.ad.size());
+  const Index states = 2 * k + l + nz, columns = states + nu;
+  const auto ai = [&](Index i) { return partition_.ai[static_cast<std::size_t>(i)]; };
+  const auto ad = [&](Index i) { return partition_.ad[static_cast<std::size_t>(i)]; };
+  const auto d = [&](Index i) { return partition_.d[static_cast<std::size_t>(i)]; };
+  const Index m = static_cast<Index>(partition_.d.size());
+  motion_.setZero(2 * n + nz + nu, columns);
+  auto x = motion_.topRows(n), v = motion_.middleRows(n, n);
+
+  // Step 4, Eqs. (41)-(44): x = Vh_ai x_ai + Vh_ad x_ad.
+  for (Index i = 0; i < k; ++i) x(ai(i), i) = 1.0;
+  for (Index i = 0; i < l; ++i) x(ad(i), 2 * k + i) = 1.0;
+  if (m > 0) {
+    work_.noalias() = -(matrix(C_x_) * x.leftCols(2 * k + l));
+    lu_C_xd_.solve({work_.data(), static_cast<std::size_t>(work_.size())}, work_.cols());
+    for (Index i = 0; i < m; ++i) x.row(d(i)).head(2 * k + l) = work_.row(i);
+  }
+  // Step 2, Eqs. (33)-(35): v = T v_ai + V_rate x. Its x_ad rows are Eq. (51), the result of Steps 5 and 6.
+  for (Index i = 0; i < k; ++i) v(ai(i), k + i) = 1.0;
+  if (m + l > 0) {
+    work_.noalias() = -(matrix(D_) * v.leftCols(2 * k + l));
+    work_.noalias() -= matrix(D_rate_) * x.leftCols(2 * k + l);
+    lu_D_dd_.solve({work_.data(), static_cast<std::size_t>(work_.size())}, work_.cols());
+    for (Index i = 0; i < m; ++i) v.row(d(i)).head(2 * k + l) = work_.row(i);
+    for (Index i = 0; i < l; ++i) v.row(ad(i)).head(2 * k + l) = work_.row(m + i);
+  }
+  for (Index i = 0; i < nz + nu; ++i) motion_(2 * n + i, 2 * k + l + i) = 1.0;
+
+  // Steps 1, 3 and 7, Eqs. (32), (37), (53)-(61).
+  respond();
+  const Index rows = static_cast<Index>(partition_.rows.size());
+  model.A.resize(states, states);
+  model.B.resize(states, nu);
+  const auto take = [&](Index row, const auto& from) {
+    model.A.row(row) = from.head(states);
+    model.B.row(row) = from.tail(nu);
+  };
+  for (Index i = 0; i < k; ++i) take(i, v.row(ai(i)));
+  for (Index i = 0; i < k; ++i) take(k + i, response_.row(ai(i)));
+  for (Index i = 0; i < l; ++i) take(2 * k + i, v.row(ad(i)));
+  for (Index i = 0; i < nz; ++i) take(2 * k + l + i, response_.row(n + rows + i));
+  model.states = reduced_states_;
+  measure(model, states);
+  model.kinks = kinks_at(state);
+}
+
+void Linearizer::linearize_augmented(const State& state, LinearModel& model) {
+  evaluate(state);
+  const Index n = system_.n(), nz = system_.nz(), nu = system_.nu(), states = 2 * n + nz;
+  const Index rows = static_cast<Index>(partition_.rows.size());
+  motion_.setIdentity(states + nu, states + nu);
+  respond();
+  model.A.resize(states, states);
+  model.B.resize(states, nu);
+  model.A.topRows(n) = motion_.middleRows(n, n).leftCols(states);
+  model.B.topRows(n).setZero();
+  model.A.middleRows(n, n) = response_.topRows(n).leftCols(states);
+  model.B.middleRows(n, n) = response_.topRows(n).rightCols(nu);
+  model.A.bottomRows(nz) = response_.bottomRows(nz).leftCols(states);
+  model.B.bottomRows(nz) = response_.bottomRows(nz).rightCols(nu);
+  (void)rows;
+  model.states = augmented_states_;
+  measure(model, states);
+  model.kinks = kinks_at(state);
+}
+
+/// C and D: outputs of the motion and of what follows from it.
+void Linearizer::measure(LinearModel& model, Eigen::Index states) const {
+  const Index n = system_.n(), nz = system_.nz(), nu = system_.nu(), rows = static_cast<Index>(partition_.rows.size());
+  MatrixXd all(static_cast<Index>(outputs_.size()), motion_.cols());
+  MatrixXd of_components;
+  const bool any = std::any_of(outputs_.begin(), outputs_.end(), [](const Measured& y) { return y.kind == Measured::Kind::y; });
+  if (any) {
+    SparsePlan by_motion = y_motion_, by_response = y_response_;
+    fill(by_motion, blocks_);
+    fill(by_response, blocks_);
+    of_components = matrix(by_motion) * motion_;
+    of_components += matrix(by_response) * response_;
+  }
+  for (std::size_t k = 0; k < outputs_.size(); ++k) {
+    const Measured& y = outputs_[k];
+    auto row = all.row(static_cast<Index>(k));
+    switch (y.kind) {
+      case Measured::Kind::x: row = motion_.row(y.index); break;
+      case Measured::Kind::v: row = motion_.row(n + y.index); break;
+      case Measured::Kind::a: row = response_.row(y.index); break;
+      case Measured::Kind::z: row = motion_.row(2 * n + y.index); break;
+      case Measured::Kind::zdot: row = response_.row(n + rows + y.index); break;
+      case Measured::Kind::input: row = motion_.row(2 * n + nz + y.index); break;
+      case Measured::Kind::y: row = of_components.row(y.index); break;
+      case Measured::Kind::lambda: {
+        const auto at = std::find(partition_.rows.begin(), partition_.rows.end(), y.index);
+        if (at == partition_.rows.end()) {
+          throw AnalysisError("linearize", "the multiplier " + y.name + " belongs to a redundant row and is not determined",
+                              "outputs that the model determines", "take it out of the scene's outputs, or remove the redundant joint");
+        }
+        row = response_.row(n + (at - partition_.rows.begin()));
+        break;
+      }
+    }
+  }
+  model.C = all.leftCols(states);
+  model.D = all.rightCols(nu);
+  model.inputs = input_names_;
+  model.outputs = output_names_;
+}
+
+std::vector<KinkTaken> Linearizer::kinks_at(const State& state) const {
+  std::vector<KinkTaken> kinks;
+  for (const Group& group : system_.groups) {
+    const bramah_type& type = *group.type;
+    const auto* switches = static_cast<const bramah_switches*>(type.extension(type.self, BRAMAH_EXTENSION_SWITCHES));
+    if (switches == nullptr) continue;
+    Vector values(static_cast<std::size_t>(switches->count)), x, v, z, u;
+    for (Index i = 0; i < group.count; ++i) {
+      const auto gather = [&](const Vector& from, const std::vector<std::int32_t>& map, std::int32_t slots, Vector& to) {
+        to.clear();
+        for (std::int32_t j = 0; j < slots; ++j) to.push_back(from[static_cast<std::size_t>(map[static_cast<std::size_t>(i * slots + j)])]);
+      };
+      gather(state.x, group.x, type.nx, x);
+      gather(state.v, group.x, type.nx, v);
+      gather(state.z, group.z, type.nz, z);
+      gather(state.z, group.u, type.nu, u);
+      bramah_batch batch{};
+      batch.size = sizeof batch;
+      batch.count = 1;
+      batch.instances = group.instances.at(i);
+      batch.time = state.t;
+      batch.side = state.side;
+      batch.x = x.data();
+      batch.v = v.data();
+      batch.z = z.data();
+      batch.u = u.data();
+      if (switches->values(type.self, &batch, values.data()) != 0) continue;
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        if (std::abs(values[k]) > kink_width * switches->nominal[k]) continue;
+        kinks.push_back({system_.component_name(group.component[static_cast<std::size_t>(i)]), switches->info[k].name, state.side});
+      }
+    }
+  }
+  return kinks;
+}
+
+MatrixXd Linearizer::transformation() const {
+  const Index n = system_.n(), k = static_cast<Index>(partition_.ai.size());
+  return motion_.middleRows(n, n).middleCols(k, k);
+}
+
+MatrixXd augmented_by_differences(const System& system, const Partition& partition, const State& reference, double h) {
+  const Index n = system.n(), nz = system.nz(), rows = static_cast<Index>(partition.rows.size()), states = 2 * n + nz;
+  Blocks blocks(system);
+  Kkt kkt(system, partition.rows);
+  SparsePlan mass = kkt.matrix();
+  State state = reference;
+  std::fill_n(state.a.begin(), n, 0.0);
+  std::fill_n(state.zdot.begin(), nz, 0.0);
+  std::fill(state.lambda.begin(), state.lambda.end(), 0.0);
+  Request request = Kkt::needed().rows("fgs");
+  request.multiplier_forces = false;
+
+  // Eq. (97): F = A^-1 f with the dense matrix A of Eq. (96).
+  const auto F = [&]() -> Eigen::VectorXd {
+    const Outcome outcome = blocks.evaluate(system, state, request);
+    if (!outcome.ok()) throw AnalysisError("compare", outcome.message, "finite rows around the state", "use smaller differences");
+    fill(mass, blocks);
+    const MatrixXd kkt_dense = matrix(mass);
+    MatrixXd A = MatrixXd::Zero(n + kkt_dense.rows(), n + kkt_dense.rows());
+    A.topLeftCorner(n, n).setIdentity();
+    A.bottomRightCorner(kkt_dense.rows(), kkt_dense.cols()) = kkt_dense;
+    Eigen::VectorXd f(A.rows());
+    for (Index i = 0; i < n; ++i) f(i) = state.v[static_cast<std::size_t>(i)];
+    for (Index i = 0; i < n; ++i) f(n + i) = -blocks.f[static_cast<std::size_t>(i)];
+    for (Index i = 0; i < rows; ++i) f(2 * n + i) = -blocks.s[static_cast<std::size_t>(partition.rows[static_cast<std::size_t>(i)])];
+    for (Index i = 0; i < nz; ++i) f(2 * n + rows + i) = -blocks.g[static_cast<std::size_t>(i)];
+    const Eigen::VectorXd all = A.inverse() * f;
+    Eigen::VectorXd result(states);
+    result << all.head(2 * n), all.tail(nz);
+    return result;
+  };
+  // Eq. (100).
+  MatrixXd J(states, states);
+  for (Index j = 0; j < states; ++j) {
+    const auto column = static_cast<std::size_t>(j);
+    const auto size = static_cast<std::size_t>(n);
+    double& variable = column < size ? state.x[column] : column < 2 * size ? state.v[column - size] : state.z[column - 2 * size];
+    const double value = variable;
+    variable = value + h;
+    const Eigen::VectorXd forward = F();
+    variable = value - h;
+    J.col(j) = (forward - F()) / (2.0 * h);
+    variable = value;
+  }
+  return J;
+}
+
+}  // namespace bramah

@@ -1,0 +1,80 @@
+// The linearized equations of motion with the smallest possible Jacobian: Steps 1-7 of Agundez et al. (2023).
+//
+// States X = (x_ai, v_ai, x_ad, z): 2n - 2m - l + r + u numbers, with redundant rows not counted in m and l.
+//   d(X)/dt = A X + B u,   y = C X + D u,   A = J of Eq. (61)
+#pragma once
+
+#include <Eigen/Dense>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "solve/kkt.hpp"
+#include "solve/partition.hpp"
+#include "system/blocks.hpp"
+#include "system/options.hpp"
+
+namespace bramah {
+
+struct NamedQuantity {
+  std::string name, unit;
+  double nominal = 1.0;
+};
+
+/// A switching function at zero: the derivatives there are one-sided.
+struct KinkTaken {
+  std::string component, name;
+  int side = 1;
+};
+
+struct LinearModel {
+  std::vector<NamedQuantity> states, inputs, outputs;
+  Eigen::MatrixXd A, B, C, D;
+  std::vector<KinkTaken> kinks;
+};
+
+/// Linearizes one system with one partition, any number of times: patterns and factorizations are analysed once.
+class Linearizer {
+ public:
+  Linearizer(const System& system, Partition partition, std::vector<Measured> outputs = {});
+
+  /// `state` must satisfy Eqs. (16)-(20); AnalysisError names the worst row where it does not.
+  void linearize(const State& state, LinearModel& model);
+  /// The same for the unreduced Eq. (98), X = (x, v, z), exactly: the Jacobian J of Eq. (99).
+  void linearize_augmented(const State& state, LinearModel& model);
+
+  [[nodiscard]] const Partition& partition() const { return partition_; }
+  /// T of Eq. (31), (n x independent), of the last call of linearize.
+  [[nodiscard]] Eigen::MatrixXd transformation() const;
+
+ private:
+  void evaluate(const State& state);
+  void check_consistent() const;
+  void respond();
+  void measure(LinearModel& model, Eigen::Index states) const;
+  [[nodiscard]] std::vector<KinkTaken> kinks_at(const State& state) const;
+
+  const System& system_;
+  Partition partition_;
+  std::vector<Measured> outputs_;
+  std::vector<NamedQuantity> reduced_states_, augmented_states_, input_names_, output_names_;
+  Blocks blocks_;
+  Kkt kkt_;
+  // Operators, assembled from blocks; columns (x, v, z, u) stacked.
+  SparsePlan C_x_;        // independent holonomic rows, (m x n)                          Eq. (41)
+  SparsePlan D_;          // independent rows, (m+l x n)                                  Eq. (14)
+  SparsePlan D_rate_;     // d(D v0)/dx, (m+l x n)                                        Eqs. (24), (46), (49)
+  SparsePlan loads_;      // (f; s; g) by (x, v, z, u)                                    Eqs. (23), (26), (28), (37)
+  SparsePlan C_xd_, D_dd_;
+  sparse::Klu lu_C_xd_, lu_D_dd_;
+  SparsePlan y_motion_, y_response_;  // outputs by (x, v, z, u) and by (a, lambda, zdot)
+  Eigen::MatrixXd motion_;            // (2n + nz + nu) x columns: x, v, z, u that each column moves
+  Eigen::MatrixXd response_;          // (n + m + l + nz) x columns: a, lambda, zdot that follow
+  Eigen::MatrixXd work_;
+};
+
+/// Eqs. (96)-(100): the augmented Jacobian by central differences with absolute step h in every variable (SI), F = A^-1 f
+/// formed with a dense inverse as in the paper.
+Eigen::MatrixXd augmented_by_differences(const System& system, const Partition& partition, const State& state, double h);
+
+}  // namespace bramah

@@ -1,0 +1,21 @@
+// Everything a component author includes.
+//
+// A component is a struct with `void describe(bramah::Description&)` and any of
+//   template <class T> void balance(const bramah::At<T>&, bramah::Rows<T>&) const;             forces and storage
+//   template <class T> void holonomic(const bramah::Positions<T>&, bramah::Values<T>&) const;  c(t, x) = 0
+//   template <class T> void nonholonomic(const bramah::Motion<T>&, bramah::Values<T>&) const;  b(t, x, v) = 0, linear in v
+//   template <class T> void output(const bramah::At<T>&, bramah::Values<T>&) const;            measurements
+//   template <class T> void switches(const bramah::At<T>&, bramah::Values<T>&) const;          kinks of the law
+//   void check(bramah::Faults&) const;                                                         limits across parameters
+//   void start(bramah::Start&) const;                                                          start values
+//   void constants(double*) const;  double signal(double t, int side) const;  double next_breakpoint(double t) const;
+// and a library is BRAMAH_LIBRARY("name", "1.0.0", Component, Component, ...).
+#pragma once
+
+#include "bramah/at.hpp"
+#include "bramah/describe.hpp"
+#include "bramah/export.hpp"
+#include "bramah/math.hpp"
+#include "bramah/measure.hpp"
+#include "bramah/rows.hpp"
+#include "bramah/vector.hpp"

@@ -1,0 +1,159 @@
+#include "solve/assemble.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "sparse/klu.hpp"
+#include "system/analysis_error.hpp"
+
+namespace bramah {
+namespace {
+
+// Redundant rows make C W C^T singular. Subtracting this much on its diagonal keeps the factorization alive; Newton's
+// method only loses a digit per step by it, and the solution is untouched.
+constexpr double regularization = 1e-11;
+constexpr int most_iterations = 100;
+constexpr double position_tolerance = 1e-14;  // in the unit of the row (m, rad, 1), times the terms' size
+
+std::string digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+/// Solves  min |W^-1 d|  subject to  D d = -residual  through  [W^-2 D^T; D -eps I].
+class NearestPoint {
+ public:
+  NearestPoint(const System& system, Index rows, int block, std::span<const Index> fixed)
+      : n_(system.n()), rows_(rows), weights_(system.x.size()) {
+    for (std::size_t i = 0; i < weights_.size(); ++i) {
+      weights_[i] = 1.0 / (system.x[i].nominal * system.x[i].nominal);
+    }
+    std::vector<Index> free = shifted(n_, 0);
+    for (const Index i : fixed) free[static_cast<std::size_t>(i)] = -1;  // their columns of D vanish
+    const std::vector<Index> constraints = shifted(rows, n_);
+    const Term terms[] = {{block, constraints, free, false, 0}, {block, constraints, free, true, 0}};
+    const Diagonal diagonals[] = {{0, 0, n_, 0, weights_}, {n_, n_, rows, 1, {}}};
+    plan_ = SparsePlan(system, n_ + rows, n_ + rows, terms, diagonals);
+    lu_.analyze({n_ + rows, n_ + rows, plan_.start().data(), plan_.row().data(), plan_.values().data()});
+    rhs_.resize(static_cast<std::size_t>(n_ + rows));
+  }
+  /// The correction d (n), or an empty span where the matrix cannot be factored.
+  std::span<const double> solve(const Blocks& blocks, const Vector& residual) {
+    const double weights[] = {1.0, -regularization};
+    plan_.fill(blocks, weights);
+    const Index size = n_ + rows_;
+    if (!lu_.factor({size, size, plan_.start().data(), plan_.row().data(), plan_.values().data()})) return {};
+    std::fill_n(rhs_.begin(), n_, 0.0);
+    for (Index k = 0; k < rows_; ++k) rhs_[static_cast<std::size_t>(n_ + k)] = -residual[static_cast<std::size_t>(k)];
+    lu_.solve(rhs_);
+    return {rhs_.data(), static_cast<std::size_t>(n_)};
+  }
+
+ private:
+  Index n_, rows_;
+  std::vector<double> weights_;
+  SparsePlan plan_;
+  sparse::Klu lu_;
+  Vector rhs_;
+};
+
+Index worst(const Vector& rows) {
+  const auto it = std::max_element(rows.begin(), rows.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+  return it == rows.end() ? -1 : it - rows.begin();
+}
+
+double size_of(const Vector& rows) {
+  double largest = 0.0;
+  for (const double row : rows) largest = std::max(largest, std::abs(row));
+  return largest;
+}
+
+}  // namespace
+
+void assemble_positions(const System& system, State& state, std::span<const Index> fixed) {
+  if (system.m() == 0) return;
+  Blocks blocks(system);
+  NearestPoint nearest(system, system.m(), BRAMAH_C_X, fixed);
+  Request request = Request{}.rows("c").blocks({BRAMAH_C_X});
+  const auto evaluate = [&] {
+    const Outcome outcome = blocks.evaluate(system, state, request);
+    if (!outcome.ok()) {
+      throw AnalysisError("assembly", outcome.message, "constraints that can be evaluated at the start values",
+                          "move the start values: two points may coincide");
+    }
+  };
+  evaluate();
+  double residual = size_of(blocks.c);
+  double scale = 1.0;
+  for (const double x : state.x) scale = std::max(scale, std::abs(x));
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    if (residual <= position_tolerance * scale) return;
+    const std::span<const double> step = nearest.solve(blocks, blocks.c);
+    if (step.empty()) break;
+    const Vector before = state.x;
+    double factor = 1.0;
+    bool better = false;
+    for (int half = 0; half < 12 && !better; ++half, factor *= 0.5) {
+      for (std::size_t i = 0; i < step.size(); ++i) state.x[i] = before[i] + factor * step[i];
+      for (const Index i : fixed) state.x[static_cast<std::size_t>(i)] = before[static_cast<std::size_t>(i)];
+      evaluate();
+      better = size_of(blocks.c) < residual;
+    }
+    if (!better) {  // rounding, or a contradiction
+      state.x = before;
+      evaluate();
+      break;
+    }
+    residual = size_of(blocks.c);
+  }
+  if (residual <= 1e3 * position_tolerance * scale) return;
+  const Index row = worst(blocks.c);
+  std::string held;
+  for (const Index i : fixed) held += (held.empty() ? " with " : ", ") + system.x[static_cast<std::size_t>(i)].name;
+  throw AnalysisError("assembly",
+                      "the constraint " + system.constraint(row).name + " stays open by " + digits(blocks.c[static_cast<std::size_t>(row)]) + " " +
+                          system.constraint(row).unit + (held.empty() ? "" : held + " held"),
+                      "start values from which all constraints can be closed",
+                      "check lengths and points of " + system.component_name(system.constraint(row).component) +
+                          ", move the start values nearer to the assembled position, or hold fewer coordinates");
+}
+
+void assemble_velocities(const System& system, State& state, std::span<const Index> fixed) {
+  if (system.m() + system.l() == 0) return;
+  Blocks blocks(system);
+  NearestPoint nearest(system, system.m() + system.l(), BRAMAH_R_V, fixed);
+  const Request request = Request{}.rows("r").blocks({BRAMAH_R_V});
+  double scale = 1.0;
+  for (const double v : state.v) scale = std::max(scale, std::abs(v));
+  double before = HUGE_VAL;
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    const Outcome outcome = blocks.evaluate(system, state, request);
+    if (!outcome.ok()) throw AnalysisError("assembly", outcome.message, "constraints that can be evaluated", "check the start values");
+    const double residual = size_of(blocks.r);
+    if (residual <= 1e-15 * scale || residual >= 0.5 * before) {  // linear in v: stagnation is rounding or contradiction
+      if (residual <= 1e-10 * scale) return;
+      const Index row = worst(blocks.r);
+      throw AnalysisError("assembly",
+                          "the rate of constraint " + system.constraint(row).name + " stays at " + digits(blocks.r[static_cast<std::size_t>(row)]),
+                          "start rates that the constraints allow", "change the start rates, or the driver that demands this one");
+    }
+    before = residual;
+    const std::span<const double> step = nearest.solve(blocks, blocks.r);
+    for (std::size_t i = 0; i < step.size(); ++i) state.v[i] += step[i];
+  }
+}
+
+Violation constraint_violation(const System& system, const State& state, Blocks& blocks) {
+  Violation violation;
+  blocks.evaluate(system, state, Request{}.rows("cr"));
+  violation.position_row = worst(blocks.c);
+  violation.velocity_row = worst(blocks.r);
+  violation.position = size_of(blocks.c);
+  violation.velocity = size_of(blocks.r);
+  return violation;
+}
+
+}  // namespace bramah

@@ -1,0 +1,233 @@
+#include "solve/equilibrium.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "solve/assemble.hpp"
+#include "sparse/rank_lu.hpp"
+#include "system/analysis_error.hpp"
+
+namespace bramah {
+namespace {
+
+/// Newton's method on (x, z, lambda) without the held variables, by a rank-revealing factorization: a direction that no
+/// row resists is left where it is.
+class Newton {
+ public:
+  Newton(const System& system, const EquilibriumOptions& options, State& state)
+      : system_(system), state_(state), blocks_(system) {
+    const Index n = system.n(), nz = system.nz(), m = system.m(), ml = m + system.l();
+    x_ = shifted(n, 0);
+    for (const Index i : options.hold_x) x_[static_cast<std::size_t>(i)] = -1;
+    Index next = compact(x_, 0);
+    z_ = shifted(nz, 0);
+    for (const Index i : options.hold_z) z_[static_cast<std::size_t>(i)] = -1;
+    next = compact(z_, next);
+    lambda_ = shifted(ml, next);
+    unknowns_ = next + ml;
+    const std::vector<Index> f = shifted(n, 0), g = shifted(nz, n), c = shifted(m, n + nz);
+    equations_ = n + nz + m;
+    const Term terms[] = {{BRAMAH_F_X, f, x_, false, 0}, {BRAMAH_L_X, f, x_, false, 0}, {BRAMAH_F_Z, f, z_, false, 0},
+                          {BRAMAH_F_U, f, z_, false, 0}, {BRAMAH_R_V, lambda_, f, true, 0}, {BRAMAH_G_X, g, x_, false, 0},
+                          {BRAMAH_G_Z, g, z_, false, 0}, {BRAMAH_G_U, g, z_, false, 0}, {BRAMAH_C_X, c, x_, false, 0}};
+    plan_ = SparsePlan(system, equations_, unknowns_, terms);
+    scale_.assign(static_cast<std::size_t>(unknowns_), 1.0);
+    each_unknown([&](Index column, const Variable* variable, double&) {
+      if (variable != nullptr) scale_[static_cast<std::size_t>(column)] = variable->nominal;
+    });
+    residual_.resize(static_cast<std::size_t>(equations_));
+    row_scale_.resize(static_cast<std::size_t>(equations_));
+    step_.resize(static_cast<std::size_t>(unknowns_));
+  }
+
+  /// Residual and matrix at the state; false where they cannot be evaluated.
+  bool evaluate(bool with_matrix) {
+    Request request = Request{}.rows("fgc");
+    if (with_matrix) {
+      request.blocks({BRAMAH_F_X, BRAMAH_L_X, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_R_V, BRAMAH_G_X, BRAMAH_G_Z, BRAMAH_G_U, BRAMAH_C_X});
+    }
+    outcome_ = blocks_.evaluate(system_, state_, request);
+    if (!outcome_.ok()) return false;
+    auto it = std::copy(blocks_.f.begin(), blocks_.f.end(), residual_.begin());
+    it = std::copy(blocks_.g.begin(), blocks_.g.end(), it);
+    std::copy(blocks_.c.begin(), blocks_.c.end(), it);
+    if (!with_matrix) return true;
+    const double one = 1.0;
+    plan_.fill(blocks_, {&one, 1});
+    scaled_.assign(plan_.values().begin(), plan_.values().end());
+    std::fill(row_scale_.begin(), row_scale_.end(), 0.0);
+    for_entries([&](std::size_t e, std::size_t row, std::size_t column) {
+      scaled_[e] *= scale_[column];
+      row_scale_[row] = std::max(row_scale_[row], std::abs(scaled_[e]));
+    });
+    for (double& r : row_scale_) r = r > 0.0 ? 1.0 / r : 1.0;
+    for_entries([&](std::size_t e, std::size_t row, std::size_t) { scaled_[e] *= row_scale_[row]; });
+    return true;
+  }
+
+  /// Largest residual, each row relative to its largest coefficient times one nominal.
+  [[nodiscard]] double size(Index* where = nullptr) const {
+    double largest = 0.0;
+    for (std::size_t i = 0; i < residual_.size(); ++i) {
+      const double value = std::abs(residual_[i]) * row_scale_[i];
+      if (value > largest) {
+        largest = value;
+        if (where != nullptr) *where = static_cast<Index>(i);
+      }
+    }
+    return largest;
+  }
+
+  void solve() {
+    lu_.factor({equations_, unknowns_, plan_.start().data(), plan_.row().data(), scaled_.data()});
+    Vector rhs(residual_.size());
+    for (std::size_t i = 0; i < rhs.size(); ++i) rhs[i] = -residual_[i] * row_scale_[i];
+    lu_.solve(rhs, step_);
+  }
+  /// Largest component of the step, in nominals; multipliers do not count.
+  [[nodiscard]] double step_size() const {
+    double largest = 0.0;
+    for (Index j = 0; j < unknowns_ - static_cast<Index>(lambda_.size()); ++j) {
+      largest = std::max(largest, std::abs(step_[static_cast<std::size_t>(j)]));
+    }
+    return largest;
+  }
+  void move(double factor) {
+    each_unknown([&](Index column, const Variable*, double& value) {
+      value += factor * step_[static_cast<std::size_t>(column)] * scale_[static_cast<std::size_t>(column)];
+    });
+  }
+
+  [[nodiscard]] const std::string& failure() const { return outcome_.message; }
+  [[nodiscard]] std::string equation_name(Index i) const {
+    const Index n = system_.n(), nz = system_.nz();
+    if (i < n) return "the force balance of " + system_.x[static_cast<std::size_t>(i)].name;
+    if (i < n + nz) return "the flow balance of " + system_.z[static_cast<std::size_t>(i - n)].name;
+    return "the constraint " + system_.constraint(i - n - nz).name;
+  }
+  [[nodiscard]] double equation_residual(Index i) const { return residual_[static_cast<std::size_t>(i)]; }
+
+  /// Null vectors of the last factored matrix that move a variable; those of multipliers alone are redundant rows.
+  std::vector<FreeDirection> free_directions() {
+    std::vector<std::string> names(static_cast<std::size_t>(unknowns_));
+    each_unknown([&](Index column, const Variable* variable, double&) {
+      if (variable != nullptr) names[static_cast<std::size_t>(column)] = variable->name;
+    });
+    std::vector<FreeDirection> directions;
+    for (std::size_t k = 0; k < lu_.dependent_columns().size(); ++k) {
+      const auto free_column = static_cast<std::size_t>(lu_.dependent_columns()[k]);
+      FreeDirection direction;
+      const auto add = [&](std::size_t column, double share) {
+        if (names[column].empty() || std::abs(share) < 1e-9) return;
+        direction.variables.emplace_back(names[column], share * scale_[column]);
+      };
+      add(free_column, 1.0);
+      const std::vector<double> c = lu_.dependency(k);
+      for (std::size_t j = 0; j < c.size(); ++j) add(static_cast<std::size_t>(lu_.pivot_columns()[j]), -c[j]);
+      if (!direction.variables.empty()) directions.push_back(std::move(direction));
+    }
+    return directions;
+  }
+
+ private:
+  static Index compact(std::vector<Index>& map, Index next) {
+    for (Index& column : map) {
+      if (column >= 0) column = next++;
+    }
+    return next;
+  }
+  template <class Function>
+  void for_entries(Function&& function) {
+    for (std::size_t j = 0; j < static_cast<std::size_t>(unknowns_); ++j) {
+      for (Index e = plan_.start()[j]; e < plan_.start()[j + 1]; ++e) {
+        function(static_cast<std::size_t>(e), static_cast<std::size_t>(plan_.row()[static_cast<std::size_t>(e)]), j);
+      }
+    }
+  }
+  template <class Function>
+  void each_unknown(Function&& function) {
+    for (std::size_t i = 0; i < x_.size(); ++i) {
+      if (x_[i] >= 0) function(x_[i], &system_.x[i], state_.x[i]);
+    }
+    for (std::size_t i = 0; i < z_.size(); ++i) {
+      if (z_[i] >= 0) function(z_[i], &system_.z[i], state_.z[i]);
+    }
+    for (std::size_t i = 0; i < lambda_.size(); ++i) function(lambda_[i], static_cast<const Variable*>(nullptr), state_.lambda[i]);
+  }
+
+  const System& system_;
+  State& state_;
+  Blocks blocks_;
+  std::vector<Index> x_, z_, lambda_;  // variable -> unknown, -1 where held
+  Index unknowns_ = 0, equations_ = 0;
+  SparsePlan plan_;
+  sparse::RankLu lu_;
+  Vector scale_, row_scale_, scaled_, residual_, step_;
+  Outcome outcome_;
+};
+
+std::string digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+}  // namespace
+
+Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& options, double t) {
+  Equilibrium result;
+  State& state = result.state;
+  state = initial_state(system, t);
+  std::fill(state.v.begin(), state.v.end(), 0.0);
+  assemble_positions(system, state, options.hold_x);
+
+  Newton newton(system, options, state);
+  const auto evaluate = [&] {
+    if (newton.evaluate(true)) return;
+    throw AnalysisError("equilibrium", newton.failure(), "start values at which every component can be evaluated", "move the start values");
+  };
+  evaluate();
+  bool converged = false;
+  double least_step = HUGE_VAL;
+  for (; result.iterations < options.max_iterations && !converged; ++result.iterations) {
+    const double before = newton.size();
+    newton.solve();
+    const double step = newton.step_size();
+    // Quadratic convergence ends in rounding: the step no longer shrinks and the residual is at its floor.
+    if (before <= options.tolerance && step >= 0.5 * least_step) break;
+    least_step = std::min(least_step, step);
+    const State origin = state;
+    double factor = step > 1.0 ? 1.0 / step : 1.0;  // no variable moves by more than its nominal at once
+    bool accepted = false;
+    for (int half = 0; half < 30 && !accepted; ++half, factor *= 0.5) {
+      state = origin;
+      newton.move(factor);
+      accepted = newton.evaluate(false) && (newton.size() < (1.0 - 1e-4 * factor) * before || newton.size() <= options.tolerance);
+    }
+    if (!accepted) {
+      // Through a turning point of the merit function: a full small step is better than none, but not when at rest.
+      state = origin;
+      if (before <= options.tolerance) break;
+      newton.move(std::min(1.0, 0.1 / std::max(step, 1e-300)));
+    }
+    evaluate();
+    converged = newton.size() <= options.tolerance && step * factor <= 1e-15;
+  }
+  Index row = 0;
+  result.residual = newton.size(&row);
+  if (result.residual > options.tolerance) {
+    throw AnalysisError("equilibrium",
+                        newton.equation_name(row) + " stays at " + digits(newton.equation_residual(row)) + " after " +
+                            std::to_string(result.iterations) + " iterations",
+                        "start values from which an equilibrium can be reached",
+                        "hold fewer variables, move the start values, or check that something balances this row");
+  }
+  newton.solve();
+  result.free_directions = newton.free_directions();
+  std::fill(state.a.begin(), state.a.end(), 0.0);
+  std::fill(state.zdot.begin(), state.zdot.end(), 0.0);
+  return result;
+}
+
+}  // namespace bramah

@@ -1,0 +1,29 @@
+// Equilibria: f = 0, g = 0, c = 0 at v = a = zdot = 0, with some variables held.
+//
+// Equilibria come in families: a closed oil volume keeps any pressure, a free body any place. The scene says what to
+// hold; the rank of the Newton matrix decides the rest, and directions that stay free are reported by name.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "system/blocks.hpp"
+#include "system/options.hpp"
+
+namespace bramah {
+
+struct FreeDirection {
+  std::vector<std::pair<std::string, double>> variables;  // name and share (SI) along the direction
+};
+
+struct Equilibrium {
+  State state;
+  int iterations = 0;
+  double residual = 0.0;  // largest, relative to the terms of its row
+  std::vector<FreeDirection> free_directions;
+};
+
+/// Finds the equilibrium near the start values; throws AnalysisError where there is none.
+Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& options, double t = 0.0);
+
+}  // namespace bramah

@@ -1,0 +1,117 @@
+#include "solve/partition.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "sparse/rank_lu.hpp"
+#include "system/analysis_error.hpp"
+
+namespace bramah {
+namespace {
+
+// Below this many rows the order of declaration is cheap enough, and the row that a message calls redundant is the one
+// declared last; above it the order is the fill-reducing one.
+constexpr Index declaration_order_up_to = 2000;
+
+}  // namespace
+
+std::string row_names(const System& system, std::span<const Index> rows) {
+  std::string text;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (k == 12) return text + ", ... (" + std::to_string(rows.size()) + " in all)";
+    text += (k == 0 ? "" : ", ") + system.constraint(rows[k]).name;
+  }
+  return text;
+}
+
+Partition choose_partition(const System& system, const State& state, std::span<const Index> independent) {
+  const Index n = system.n(), count = system.m() + system.l();
+  Partition result;
+  if (count == 0) {
+    result.ai = shifted(n, 0);
+    return result;
+  }
+  Blocks blocks(system);
+  const Outcome outcome = blocks.evaluate(system, state, Request{}.blocks({BRAMAH_R_V}));
+  if (!outcome.ok()) throw AnalysisError("partition", outcome.message, "constraints that can be evaluated", "check the start values");
+  const std::vector<Index> coordinates = shifted(n, 0), rows = shifted(count, 0);
+  const Term term{BRAMAH_R_V, rows, coordinates, true, 0};
+  SparsePlan transposed(system, n, count, {&term, 1});
+  const double one = 1.0;
+  transposed.fill(blocks, {&one, 1});
+
+  // Columns of D^T are constraint rows, its rows are coordinates: scaled by their typical magnitude.
+  Vector scaled(transposed.values().begin(), transposed.values().end());
+  for (std::size_t e = 0; e < scaled.size(); ++e) {
+    scaled[e] *= system.x[static_cast<std::size_t>(transposed.row()[e])].nominal;
+  }
+  std::vector<int> row_class(static_cast<std::size_t>(n), 0);
+  for (const Index i : independent) row_class[static_cast<std::size_t>(i)] = 1;
+
+  sparse::RankLu lu;
+  sparse::RankLuOptions options;
+  options.row_class = row_class;
+  std::vector<Index> order = shifted(count, 0);
+  if (count > declaration_order_up_to) {
+    // Any order with the holonomic rows first will do; take COLAMD's within each kind.
+    lu.factor({n, count, transposed.start().data(), transposed.row().data(), scaled.data()}, options);
+    order.assign(lu.pivot_columns().begin(), lu.pivot_columns().end());
+    order.insert(order.end(), lu.dependent_columns().begin(), lu.dependent_columns().end());
+    std::stable_partition(order.begin(), order.end(), [&](Index row) { return row < system.m(); });
+  }
+  options.order = order;
+  lu.factor({n, count, transposed.start().data(), transposed.row().data(), scaled.data()}, options);
+
+  std::vector<bool> taken(static_cast<std::size_t>(n), false);
+  std::vector<Index> nonholonomic_rows;
+  for (Index k = 0; k < lu.rank(); ++k) {
+    const auto position = static_cast<std::size_t>(k);
+    const Index coordinate = lu.pivot_rows()[position], row = lu.pivot_columns()[position];
+    taken[static_cast<std::size_t>(coordinate)] = true;
+    (row < system.m() ? result.d : result.ad).push_back(coordinate);
+    (row < system.m() ? result.rows : nonholonomic_rows).push_back(row);
+  }
+  for (Index i = 0; i < n; ++i) {
+    if (!taken[static_cast<std::size_t>(i)]) result.ai.push_back(i);
+  }
+  std::vector<std::string> lost;
+  for (const Index i : independent) {
+    if (taken[static_cast<std::size_t>(i)]) lost.push_back(system.x[static_cast<std::size_t>(i)].name);
+  }
+  if (!lost.empty()) {
+    std::string names, chosen;
+    for (const std::string& name : lost) names += (names.empty() ? "" : ", ") + name;
+    for (const Index i : result.ai) chosen += (chosen.empty() ? "" : ", ") + system.x[static_cast<std::size_t>(i)].name;
+    throw AnalysisError("partition", "prescribed independent coordinates that the constraints tie: " + names,
+                        std::to_string(result.ai.size()) + " independent coordinate(s) of which none determines another",
+                        "prescribe others, for example: " + (chosen.empty() ? "none, the mechanism cannot move" : chosen));
+  }
+  // Rows in ascending order read better and keep the pattern of D; coordinates keep the order of declaration.
+  std::sort(result.rows.begin(), result.rows.end());
+  std::sort(nonholonomic_rows.begin(), nonholonomic_rows.end());
+  result.holonomic = static_cast<Index>(result.rows.size());
+  result.rows.insert(result.rows.end(), nonholonomic_rows.begin(), nonholonomic_rows.end());
+  std::sort(result.d.begin(), result.d.end());
+  std::sort(result.ad.begin(), result.ad.end());
+  // Prescribed coordinates come first, in the order of the prescription.
+  std::stable_sort(result.ai.begin(), result.ai.end(), [&](Index a, Index b) {
+    const auto rank = [&](Index i) { return std::find(independent.begin(), independent.end(), i) - independent.begin(); };
+    return !independent.empty() && rank(a) < rank(b);
+  });
+  result.smallest_pivot = lu.smallest_accepted();
+  result.largest_refused = lu.largest_refused();
+  result.growth = lu.growth();
+  for (std::size_t k = 0; k < lu.dependent_columns().size(); ++k) {
+    RedundantRow redundant;
+    redundant.row = lu.dependent_columns()[k];
+    const std::vector<double> c = lu.dependency(k);
+    for (std::size_t j = 0; j < c.size(); ++j) {
+      if (std::abs(c[j]) > 1e-9) redundant.follows_from.emplace_back(lu.pivot_columns()[j], c[j]);
+    }
+    result.redundant.push_back(std::move(redundant));
+  }
+  return result;
+}
+
+}  // namespace bramah

@@ -1,0 +1,377 @@
+#include "system/blocks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace bramah {
+
+RowFamily row_family(int block) {
+  if (block <= BRAMAH_F_U || block == BRAMAH_L_X) return RowFamily::force;
+  if (block <= BRAMAH_G_U) return RowFamily::storage;
+  if (block == BRAMAH_C_X) return RowFamily::holonomic;
+  if (block <= BRAMAH_S_V) return RowFamily::constraint;
+  return RowFamily::output;
+}
+
+ColumnFamily column_family(int block) {
+  switch (block) {
+    case BRAMAH_F_Z: case BRAMAH_G_Z: case BRAMAH_G_ZDOT: case BRAMAH_Y_Z: return ColumnFamily::z;
+    case BRAMAH_F_U: case BRAMAH_G_U: case BRAMAH_Y_U: return ColumnFamily::u;
+    case BRAMAH_Y_LAMBDA: return ColumnFamily::lambda;
+    default: return ColumnFamily::x;
+  }
+}
+
+Request& Request::rows(std::string_view letters) {
+  for (const char letter : letters) {
+    (letter == 'f' ? f : letter == 'g' ? g : letter == 'c' ? c : letter == 'r' ? r : letter == 's' ? s : y) = true;
+  }
+  return *this;
+}
+
+Request& Request::blocks(std::initializer_list<int> list) {
+  for (const int b : list) block[static_cast<std::size_t>(b)] = true;
+  return *this;
+}
+
+Blocks::Blocks(const System& system)
+    : f(system.x.size()),
+      g(system.z.size()),
+      c(system.holonomic.size()),
+      r(system.holonomic.size() + system.nonholonomic.size()),
+      s(r.size()),
+      y(system.outputs.size()),
+      partials_(system.groups.size()) {
+  std::size_t nx = 0, nz = 0, nu = 0, rows = 0, ny = 0;
+  for (const Group& group : system.groups) {
+    const bramah_type& type = *group.type;
+    nx = std::max(nx, static_cast<std::size_t>(type.nx));
+    nz = std::max(nz, static_cast<std::size_t>(type.nz));
+    nu = std::max(nu, static_cast<std::size_t>(type.nu));
+    rows = std::max(rows, static_cast<std::size_t>(type.holonomic_count + type.nonholonomic_count));
+    ny = std::max(ny, static_cast<std::size_t>(type.output_count));
+  }
+  const auto size = static_cast<std::size_t>(chunk);
+  for (Vector* v : {&lx_, &lv_, &la_, &lf_}) v->resize(size * nx);
+  for (Vector* v : {&lz_, &lzdot_, &lg_}) v->resize(size * nz);
+  lu_.resize(size * nu);
+  for (Vector* v : {&llambda_, &lc_, &lr_, &ls_}) v->resize(size * rows);
+  ly_.resize(size * ny);
+}
+
+void Blocks::gather(const Group& group, const State& state, Index first, Index count) {
+  const bramah_type& type = *group.type;
+  const auto copy = [&](const Vector& from, const std::vector<std::int32_t>& map, std::int32_t slots, Vector& to) {
+    const std::int32_t* position = map.data() + first * slots;
+    for (Index k = 0; k < count * slots; ++k) to[static_cast<std::size_t>(k)] = from[static_cast<std::size_t>(position[k])];
+  };
+  copy(state.x, group.x, type.nx, lx_);
+  copy(state.v, group.x, type.nx, lv_);
+  copy(state.a, group.x, type.nx, la_);
+  copy(state.z, group.z, type.nz, lz_);
+  copy(state.zdot, group.z, type.nz, lzdot_);
+  copy(state.z, group.u, type.nu, lu_);
+  const Index mh = type.holonomic_count, ml = type.nonholonomic_count;
+  const auto m = static_cast<Index>(c.size());
+  double* lambda = llambda_.data();
+  for (Index i = first; i < first + count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    for (Index j = 0; j < mh; ++j) *lambda++ = state.lambda[static_cast<std::size_t>(group.first_holonomic[k] + j)];
+    for (Index j = 0; j < ml; ++j) *lambda++ = state.lambda[static_cast<std::size_t>(m + group.first_nonholonomic[k] + j)];
+  }
+}
+
+Outcome Blocks::evaluate(const System& system, const State& state, const Request& request) {
+  for (auto [wanted, rows] : {std::pair{request.f, &f}, {request.g, &g}, {request.c, &c}, {request.r, &r},
+                              {request.s, &s}, {request.y, &y}}) {
+    if (wanted) std::fill(rows->begin(), rows->end(), 0.0);
+  }
+  const Index n = system.n(), nz = system.nz(), m = system.m();
+  for (std::size_t k = 0; k < system.groups.size(); ++k) {
+    const Group& group = system.groups[k];
+    const bramah_type& type = *group.type;
+    const Index mh = type.holonomic_count, ml = type.nonholonomic_count, rows = mh + ml;
+    const bool reactions = request.f && request.multiplier_forces && rows > 0;
+    std::array<bool, BRAMAH_BLOCKS> wanted = request.block;
+    if (reactions) wanted[BRAMAH_R_V] = true;
+    for (int b = 0; b < BRAMAH_BLOCKS; ++b) {
+      const auto block = static_cast<std::size_t>(b);
+      wanted[block] = wanted[block] && group.pattern_views[block].count > 0;
+      if (wanted[block]) partials_[k][block].resize(static_cast<std::size_t>(group.count * group.pattern_views[block].count));
+    }
+    bramah_batch batch{};
+    batch.size = sizeof batch;
+    batch.time = state.t;
+    batch.side = state.side;
+    batch.x = lx_.data();
+    batch.v = lv_.data();
+    batch.a = la_.data();
+    batch.z = lz_.data();
+    batch.zdot = lzdot_.data();
+    batch.u = lu_.data();
+    batch.lambda = llambda_.data();
+    batch.f = request.f && type.nx > 0 ? lf_.data() : nullptr;
+    batch.g = request.g && type.nz > 0 ? lg_.data() : nullptr;
+    batch.c = request.c && mh > 0 ? lc_.data() : nullptr;
+    batch.r = request.r && rows > 0 ? lr_.data() : nullptr;
+    batch.s = request.s && rows > 0 ? ls_.data() : nullptr;
+    batch.y = request.y && type.output_count > 0 ? ly_.data() : nullptr;
+    batch.patterns = group.pattern_views.data();
+
+    for (Index first = 0; first < group.count; first += chunk) {
+      const Index count = std::min(chunk, group.count - first);
+      gather(group, state, first, count);
+      batch.count = count;
+      batch.instances = group.instances.at(first);
+      for (std::size_t b = 0; b < BRAMAH_BLOCKS; ++b) {
+        batch.partials[b] = wanted[b] ? partials_[k][b].data() + first * group.pattern_views[b].count : nullptr;
+      }
+      // Rows that a type does not write stay what they were, so they start from zero.
+      if (batch.f != nullptr) std::fill_n(lf_.begin(), count * type.nx, 0.0);
+      if (batch.g != nullptr) std::fill_n(lg_.begin(), count * type.nz, 0.0);
+      const int status = type.evaluate(type.self, &batch);
+      if (status != 0) return failure(system, group, first + batch.failed, status, batch.message);
+
+      if (reactions) {
+        const bramah_pattern& d = group.pattern_views[BRAMAH_R_V];
+        const double* value = batch.partials[BRAMAH_R_V];
+        for (Index i = 0; i < count && d.count > 0; ++i) {
+          for (Index j = 0; j < d.columns; ++j) {
+            double force = 0.0;
+            for (std::int32_t e = d.start[j]; e < d.start[j + 1]; ++e) {
+              force += value[i * d.count + e] * llambda_[static_cast<std::size_t>(i * rows + d.row[e])];
+            }
+            lf_[static_cast<std::size_t>(i * type.nx + j)] += force;
+          }
+        }
+      }
+      for (Index i = 0; i < count; ++i) {
+        const auto instance = static_cast<std::size_t>(first + i);
+        for (Index j = 0; batch.f != nullptr && j < type.nx; ++j) {
+          const std::int32_t row = group.x[instance * static_cast<std::size_t>(type.nx) + static_cast<std::size_t>(j)];
+          if (row < n) f[static_cast<std::size_t>(row)] += lf_[static_cast<std::size_t>(i * type.nx + j)];
+        }
+        for (Index j = 0; batch.g != nullptr && j < type.nz; ++j) {
+          const std::int32_t row = group.z[instance * static_cast<std::size_t>(type.nz) + static_cast<std::size_t>(j)];
+          if (row < nz) g[static_cast<std::size_t>(row)] += lg_[static_cast<std::size_t>(i * type.nz + j)];
+        }
+        for (Index j = 0; j < mh; ++j) {
+          const auto row = static_cast<std::size_t>(group.first_holonomic[instance] + j);
+          if (batch.c != nullptr) c[row] = lc_[static_cast<std::size_t>(i * mh + j)];
+          if (batch.r != nullptr) r[row] = lr_[static_cast<std::size_t>(i * rows + j)];
+          if (batch.s != nullptr) s[row] = ls_[static_cast<std::size_t>(i * rows + j)];
+        }
+        for (Index j = 0; j < ml; ++j) {
+          const auto row = static_cast<std::size_t>(m + group.first_nonholonomic[instance] + j);
+          if (batch.r != nullptr) r[row] = lr_[static_cast<std::size_t>(i * rows + mh + j)];
+          if (batch.s != nullptr) s[row] = ls_[static_cast<std::size_t>(i * rows + mh + j)];
+        }
+        for (Index j = 0; batch.y != nullptr && j < type.output_count; ++j) {
+          y[static_cast<std::size_t>(group.first_output[instance] + j)] = ly_[static_cast<std::size_t>(i * type.output_count + j)];
+        }
+      }
+    }
+  }
+  return check_finite(system, request);
+}
+
+Outcome Blocks::failure(const System& system, const Group& group, Index instance, int status, const char* why) const {
+  const Index component = group.component[static_cast<std::size_t>(std::clamp<Index>(instance, 0, group.count - 1))];
+  Outcome outcome;
+  outcome.status = status > 0 ? Outcome::Status::recoverable : Outcome::Status::fatal;
+  outcome.message = system.component_name(component) + " (" + group.type->name + ") cannot be evaluated: " + why;
+  return outcome;
+}
+
+Outcome Blocks::check_finite(const System& system, const Request& request) const {
+  const auto look = [](bool wanted, const Vector& rows) -> Index {
+    if (!wanted) return -1;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (!std::isfinite(rows[i])) return static_cast<Index>(i);
+    }
+    return -1;
+  };
+  Outcome outcome;
+  const auto report = [&](const std::string& what) {
+    outcome.status = Outcome::Status::recoverable;
+    outcome.message = what + " is not finite";
+  };
+  if (const Index i = look(request.f, f); i >= 0) {
+    report("the force balance of " + system.x[static_cast<std::size_t>(i)].name);
+  } else if (const Index j = look(request.g, g); j >= 0) {
+    report("the storage balance of " + system.z[static_cast<std::size_t>(j)].name);
+  } else if (const Index k = look(request.c, c); k >= 0) {
+    report("the constraint " + system.holonomic[static_cast<std::size_t>(k)].name);
+  } else if (const Index p = look(request.r, r); p >= 0) {
+    report("the rate of constraint " + system.constraint(p).name);
+  } else if (const Index q = look(request.s, s); q >= 0) {
+    report("the acceleration of constraint " + system.constraint(q).name);
+  } else if (const Index o = look(request.y, y); o >= 0) {
+    report("the output " + system.outputs[static_cast<std::size_t>(o)].name);
+  }
+  return outcome;
+}
+
+namespace {
+
+/// Global row or column of a local index of one instance, before a consumer's map; -1 for constants.
+class GlobalIndex {
+ public:
+  explicit GlobalIndex(const System& system) : n_(system.n()), zu_(system.nz() + system.nu()), m_(system.m()) {}
+
+  [[nodiscard]] Index row(const Group& g, int block, std::size_t instance, Index local) const {
+    switch (row_family(block)) {
+      case RowFamily::force: return of_x(g, instance, local);
+      case RowFamily::storage: return of_zu(g.z, g.type->nz, instance, local);
+      case RowFamily::holonomic: return g.first_holonomic[instance] + local;
+      case RowFamily::constraint: return of_constraint(g, instance, local);
+      case RowFamily::output: return g.first_output[instance] + local;
+    }
+    return -1;
+  }
+  [[nodiscard]] Index column(const Group& g, int block, std::size_t instance, Index local) const {
+    switch (column_family(block)) {
+      case ColumnFamily::x: return of_x(g, instance, local);
+      case ColumnFamily::z: return of_zu(g.z, g.type->nz, instance, local);
+      case ColumnFamily::u: return of_zu(g.u, g.type->nu, instance, local);
+      case ColumnFamily::lambda: return of_constraint(g, instance, local);
+    }
+    return -1;
+  }
+
+ private:
+  [[nodiscard]] Index of_x(const Group& g, std::size_t instance, Index local) const {
+    const Index i = g.x[instance * static_cast<std::size_t>(g.type->nx) + static_cast<std::size_t>(local)];
+    return i < n_ ? i : -1;
+  }
+  [[nodiscard]] Index of_zu(const std::vector<std::int32_t>& map, Index slots, std::size_t instance, Index local) const {
+    const Index i = map[instance * static_cast<std::size_t>(slots) + static_cast<std::size_t>(local)];
+    return i < zu_ ? i : -1;
+  }
+  [[nodiscard]] Index of_constraint(const Group& g, std::size_t instance, Index local) const {
+    const Index mh = g.type->holonomic_count;
+    return local < mh ? g.first_holonomic[instance] + local : m_ + g.first_nonholonomic[instance] + local - mh;
+  }
+  Index n_, zu_, m_;
+};
+
+}  // namespace
+
+SparsePlan::SparsePlan(const System& system, Index rows, Index columns, std::span<const Term> terms,
+                       std::span<const Diagonal> diagonals)
+    : rows_(rows), columns_(columns) {
+  const GlobalIndex global(system);
+  // Pass 1: the matrix place of every block entry; pass 2: sort, unite, and turn places into positions.
+  struct Place {
+    Index row, column;
+  };
+  std::vector<std::vector<Place>> places;
+  const auto mapped = [](std::span<const Index> map, Index i) {
+    return i < 0 || i >= static_cast<Index>(map.size()) ? Index{-1} : map[static_cast<std::size_t>(i)];
+  };
+  for (const Term& term : terms) {
+    for (std::size_t k = 0; k < system.groups.size(); ++k) {
+      const Group& group = system.groups[k];
+      const bramah_pattern& pattern = group.pattern_views[static_cast<std::size_t>(term.block)];
+      if (pattern.count == 0) continue;
+      std::vector<Place> list;
+      list.reserve(static_cast<std::size_t>(group.count * pattern.count));
+      bool used = false;
+      for (Index i = 0; i < group.count; ++i) {
+        for (Index j = 0; j < pattern.columns; ++j) {
+          for (std::int32_t e = pattern.start[j]; e < pattern.start[j + 1]; ++e) {
+            const auto instance = static_cast<std::size_t>(i);
+            Place p{mapped(term.rows, global.row(group, term.block, instance, pattern.row[e])),
+                    mapped(term.columns, global.column(group, term.block, instance, j))};
+            if (term.transposed) std::swap(p.row, p.column);
+            if (p.row < 0 || p.column < 0) p = {-1, -1};
+            used = used || p.row >= 0;
+            list.push_back(p);
+          }
+        }
+      }
+      if (!used) continue;
+      scatters_.push_back({k, term.block, term.weight, {}});
+      places.push_back(std::move(list));
+    }
+  }
+  std::vector<std::vector<Place>> fixed;
+  for (const Diagonal& d : diagonals) {
+    std::vector<Place> list;
+    for (Index i = 0; i < d.count; ++i) list.push_back({d.row + i, d.column + i});
+    fixed_.push_back({d.weight, {}, d.scale.empty() ? std::vector<double>(static_cast<std::size_t>(d.count), 1.0) : d.scale});
+    fixed.push_back(std::move(list));
+  }
+
+  // Counting sort by column, then by row within each column.
+  start_.assign(static_cast<std::size_t>(columns) + 1, 0);
+  const auto each = [&](auto&& function) {
+    for (const auto* all : {&places, &fixed}) {
+      for (const std::vector<Place>& list : *all) {
+        for (const Place& p : list) {
+          if (p.row >= 0) function(p);
+        }
+      }
+    }
+  };
+  each([&](const Place& p) { ++start_[static_cast<std::size_t>(p.column) + 1]; });
+  std::partial_sum(start_.begin(), start_.end(), start_.begin());
+  std::vector<Index> entries(static_cast<std::size_t>(start_.back())), fill(start_.begin(), start_.end() - 1);
+  each([&](const Place& p) { entries[static_cast<std::size_t>(fill[static_cast<std::size_t>(p.column)]++)] = p.row; });
+  Index kept = 0;
+  for (std::size_t j = 0; j < static_cast<std::size_t>(columns); ++j) {
+    const auto begin = entries.begin() + start_[j], end = entries.begin() + start_[j + 1];
+    std::sort(begin, end);
+    const auto last = std::unique(begin, end);
+    start_[j] = kept;
+    for (auto it = begin; it != last; ++it) entries[static_cast<std::size_t>(kept++)] = *it;
+  }
+  start_.back() = kept;
+  entries.resize(static_cast<std::size_t>(kept));
+  row_ = std::move(entries);
+  values_.assign(row_.size() + 1, 0.0);
+
+  const auto positions = [&](const std::vector<Place>& list) {
+    std::vector<Index> result(list.size(), static_cast<Index>(row_.size()));
+    for (std::size_t e = 0; e < list.size(); ++e) {
+      if (list[e].row < 0) continue;
+      const auto begin = row_.begin() + start_[static_cast<std::size_t>(list[e].column)];
+      const auto end = row_.begin() + start_[static_cast<std::size_t>(list[e].column) + 1];
+      result[e] = std::lower_bound(begin, end, list[e].row) - row_.begin();
+    }
+    return result;
+  };
+  for (std::size_t k = 0; k < places.size(); ++k) scatters_[k].position = positions(places[k]);
+  for (std::size_t k = 0; k < fixed.size(); ++k) fixed_[k].position = positions(fixed[k]);
+}
+
+void SparsePlan::fill(const Blocks& blocks, std::span<const double> weights) {
+  std::fill(values_.begin(), values_.end(), 0.0);
+  for (const Scatter& scatter : scatters_) {
+    const double weight = weights[scatter.weight];
+    const double* from = blocks.block(scatter.group, scatter.block).data();
+    for (std::size_t e = 0; e < scatter.position.size(); ++e) {
+      values_[static_cast<std::size_t>(scatter.position[e])] += weight * from[e];
+    }
+  }
+  for (const Fixed& fixed : fixed_) {
+    for (std::size_t i = 0; i < fixed.position.size(); ++i) {
+      values_[static_cast<std::size_t>(fixed.position[i])] += weights[fixed.weight] * fixed.scale[i];
+    }
+  }
+}
+
+std::vector<Index> shifted(Index count, Index offset) {
+  std::vector<Index> map(static_cast<std::size_t>(count));
+  std::iota(map.begin(), map.end(), offset);
+  return map;
+}
+
+std::vector<Index> selected(Index count, std::span<const Index> list, Index offset) {
+  std::vector<Index> map(static_cast<std::size_t>(count), -1);
+  for (std::size_t k = 0; k < list.size(); ++k) map[static_cast<std::size_t>(list[k])] = offset + static_cast<Index>(k);
+  return map;
+}
+
+}  // namespace bramah

@@ -1,0 +1,53 @@
+// What the parts of compile share: collecting faults, reading numbers with units.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "system/blocks.hpp"
+#include "system/diagnostic.hpp"
+#include "system/options.hpp"
+#include "system/scene.hpp"
+#include "system/units.hpp"
+
+namespace bramah::compiling {
+
+/// 10 digits: for messages only.
+std::string number_text(double value);
+std::string with_unit(double value, std::string_view unit);
+/// "m" -> "m/s".
+inline std::string rate_unit(const std::string& unit) { return unit == "1" ? "1/s" : unit.find('/') != std::string::npos ? "(" + unit + ")/s" : unit + "/s"; }
+
+struct Faults {
+  std::vector<Diagnostic> list;
+  void add(std::string code, std::string where, std::string found, std::string expected, std::string remedy, bool at_key = false);
+};
+
+/// Numbers of a scene: plain (SI), with a unit ("80 mm"), or a reference to the section "constants" ("=B_oil").
+class Numbers {
+ public:
+  explicit Numbers(Faults& faults) : faults_(faults) {}
+  void read_constants(const Value* section);
+  /// The SI value of a quantity that must have the dimension of `unit`; a fault and nothing otherwise.
+  std::optional<double> read(const Value& value, const std::string& where, std::string_view unit);
+  void report_unused(const Value* section);
+
+ private:
+  struct Constant {
+    double value = 0.0;
+    Unit unit;
+    bool plain = true;
+  };
+  Faults& faults_;
+  std::map<std::string, Constant, std::less<>> constants_;
+  std::set<std::string> used_;
+};
+
+/// The sections hold, outputs, equilibrium, simulate, linearize and study.
+void read_options(const Value& root, const System& system, Numbers& numbers, Faults& faults, Options& options);
+
+}  // namespace bramah::compiling

@@ -1,0 +1,68 @@
+// What a scene asks of the analyses, with names resolved. Plain data; defaults are those of the documentation.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "system/system.hpp"
+
+namespace bramah {
+
+/// A named number of a system: what outputs, tables and messages refer to.
+struct Measured {
+  enum class Kind { x, v, a, z, zdot, lambda, y, input };
+  Kind kind = Kind::x;
+  Index index = 0;
+  std::string name, unit;
+};
+
+struct EquilibriumOptions {
+  std::vector<Index> hold_x, hold_z;  // kept at their start values
+  double tolerance = 1e-12;           // residual relative to the largest term of each row
+  int max_iterations = 200;
+};
+
+struct SimulateOptions {
+  enum class From { start, equilibrium };
+  From from = From::start;
+  bool asked = false;  // the scene has a section "simulate"
+  double from_time = 0.0, to_time = 1.0;
+  double output_step = 0.0;           // 0: every accepted step
+  std::vector<double> output_times;   // additional, ascending
+  double rel_tol = 1e-8;
+  double max_step = 0.0;              // 0: no limit
+};
+
+struct LinearizeOptions {
+  enum class At { equilibrium, start };
+  At at = At::equilibrium;
+  bool asked = false;
+  std::vector<Index> independent;  // prescribed x_ai; empty: chosen
+  int side = 1;                    // one-sided derivatives at switching points
+};
+
+struct StudyOptions {
+  double linear_from = -1.0;  // overlay the linear model from this time of the simulation on; < 0: no overlay
+  std::string title, description;
+};
+
+struct CompareOptions {
+  std::vector<double> steps;  // h of Eq. (100); empty: 1e-1 ... 1e-12
+};
+
+struct Options {
+  EquilibriumOptions equilibrium;
+  SimulateOptions simulate;
+  LinearizeOptions linearize;
+  CompareOptions compare;
+  StudyOptions study;
+  std::vector<Measured> outputs;  // of the scene's "outputs"; all variables where it has none
+};
+
+/// The measurement called `name` ("crank.angle", "crank.angle.rate", "hinge.lambda_x", "cylinder.force"); false where
+/// there is none. Suffix ".rate" is the time derivative of x or z, ".acceleration" the second of x.
+bool find_measured(const System& system, std::string_view name, Measured& found);
+/// Every name that find_measured knows, for suggestions.
+std::vector<std::string> measured_names(const System& system);
+
+}  // namespace bramah

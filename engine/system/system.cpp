@@ -1,0 +1,100 @@
+#include "system/system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+namespace bramah {
+
+Instances::Instances(const bramah_type& type, Index count)
+    : type_(&type),
+      memory_(static_cast<unsigned char*>(::operator new(type.instance_bytes * static_cast<std::size_t>(count),
+                                                         std::align_val_t(type.instance_align)))) {}
+
+Instances::Instances(Instances&& other) noexcept
+    : type_(other.type_), memory_(other.memory_), constructed_(other.constructed_) {
+  other.memory_ = nullptr;
+  other.constructed_ = 0;
+}
+
+Instances::~Instances() {
+  if (memory_ == nullptr) return;
+  for (Index i = 0; i < constructed_; ++i) type_->destroy(type_->self, at(i));
+  ::operator delete(memory_, std::align_val_t(type_->instance_align));
+}
+
+Index System::spools() const {
+  return std::count_if(z.begin(), z.end(), [](const Variable& v) { return v.kind == "spool"; });
+}
+
+const Row& System::constraint(Index i) const {
+  return i < m() ? holonomic[static_cast<std::size_t>(i)] : nonholonomic[static_cast<std::size_t>(i - m())];
+}
+
+std::string System::multiplier_name(Index i) const {
+  const std::string& name = constraint(i).name;
+  const std::size_t dot = name.find('.');
+  return name.substr(0, dot + 1) + "lambda_" + name.substr(dot + 1);
+}
+
+std::string System::multiplier_unit(Index i) const {
+  const std::string& unit = constraint(i).unit;
+  if (unit == "m") return "N";
+  if (unit == "rad") return "N.m";
+  if (unit == "m/s") return "N";    // b is linear in v, so its multiplier is a force, too
+  if (unit == "1") return "N.m";
+  return "J/(" + unit + ")";
+}
+
+const std::string& System::component_name(Index component) const {
+  return components[static_cast<std::size_t>(component)].name;
+}
+
+namespace {
+Index find(const std::vector<Variable>& list, std::string_view name) {
+  const auto it = std::find_if(list.begin(), list.end(), [&](const Variable& v) { return v.name == name; });
+  return it == list.end() ? -1 : it - list.begin();
+}
+}  // namespace
+
+Index System::find_x(std::string_view name) const { return find(x, name); }
+Index System::find_z(std::string_view name) const { return find(z, name); }
+
+State initial_state(const System& system, double t) {
+  State state;
+  state.t = t;
+  const std::size_t x_size = system.x.size() + system.x_constants.size();
+  state.x.resize(x_size);
+  state.v.assign(x_size, 0.0);
+  state.a.assign(x_size, 0.0);
+  for (std::size_t i = 0; i < system.x.size(); ++i) {
+    state.x[i] = system.x[i].start;
+    state.v[i] = system.x[i].start_rate;
+  }
+  std::copy(system.x_constants.begin(), system.x_constants.end(), state.x.begin() + system.n());
+  const std::size_t z_size = system.z.size() + system.inputs.size() + system.z_constants.size();
+  state.z.resize(z_size);
+  state.zdot.assign(z_size, 0.0);
+  for (std::size_t i = 0; i < system.z.size(); ++i) state.z[i] = system.z[i].start;
+  std::copy(system.z_constants.begin(), system.z_constants.end(), state.z.begin() + system.nz() + system.nu());
+  state.lambda.assign(system.holonomic.size() + system.nonholonomic.size(), 0.0);
+  apply_inputs(system, state);
+  return state;
+}
+
+void apply_inputs(const System& system, State& state) {
+  for (std::size_t i = 0; i < system.inputs.size(); ++i) {
+    const InputSignal& input = system.inputs[i];
+    state.z[system.z.size() + i] = input.signal->value(input.type->self, input.instance, state.t, state.side);
+  }
+}
+
+double next_breakpoint(const System& system, double t) {
+  double next = HUGE_VAL;
+  for (const InputSignal& input : system.inputs) {
+    next = std::min(next, input.signal->next_breakpoint(input.type->self, input.instance, t));
+  }
+  return next;
+}
+
+}  // namespace bramah

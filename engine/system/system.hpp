@@ -1,0 +1,144 @@
+// The assembled machine: variables, rows, inputs and outputs with names, and the instances grouped by type.
+//
+//   f(t, x, v, a, z, lambda, u) = M a + D^T lambda - Q = 0   (n)      forces            Eq. (9)
+//   g(t, x, v, z, zdot, u)      = K zdot - h = 0             (nz)     storage           Eqs. (12), (13)
+//   c(t, x) = 0                                              (m)      holonomic         Eq. (10)
+//   b(t, x, v) = 0, linear in v                              (l)      nonholonomic      Eq. (11)
+//   y = y(t, x, v, a, z, lambda, u)                                   outputs
+//
+// A System is immutable and shared; all that changes lives in State and Blocks.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bramah/abi.h"
+#include "plugin/registry.hpp"
+
+namespace bramah {
+
+using Index = std::int64_t;
+using Vector = std::vector<double>;
+
+struct Variable {
+  std::string name;  // "crank.angle"
+  std::string unit;
+  std::string kind;     // what ports see: "frame", "coordinate", "pressure", "spool"
+  double nominal = 1.0;
+  double start = 0.0, start_rate = 0.0;  // rate: coordinates only
+  bool start_given = false, start_rate_given = false;  // by the scene's "start"
+  Index component = 0;
+};
+
+struct Row {
+  std::string name;  // "hinge.x"
+  std::string unit;
+  Index component = 0;
+};
+
+struct InputSignal {
+  std::string name;  // "torque"
+  std::string unit;
+  const bramah_type* type = nullptr;
+  const bramah_signal* signal = nullptr;
+  const void* instance = nullptr;
+  Index component = 0;
+};
+
+struct Component {
+  std::string name;
+  const bramah_type* type = nullptr;
+  Index group = 0, position = 0;  // instance `position` of `groups[group]`
+};
+
+/// Memory for the instances of one type, destroyed through the type.
+class Instances {
+ public:
+  Instances(const bramah_type& type, Index count);
+  Instances(Instances&& other) noexcept;
+  Instances& operator=(Instances&&) = delete;
+  ~Instances();
+  [[nodiscard]] void* at(Index i) const { return memory_ + static_cast<std::size_t>(i) * type_->instance_bytes; }
+  /// Says that instance `constructed_` has been made by configure; they are made in order.
+  void constructed() { ++constructed_; }
+
+ private:
+  const bramah_type* type_;
+  unsigned char* memory_;
+  Index constructed_ = 0;
+};
+
+/// Pattern of a block with its storage; columns compressed.
+struct BlockPattern {
+  Index rows = 0, columns = 0;
+  std::vector<std::int32_t> start, row;
+};
+
+/// All instances of one type: where their local variables and rows sit in the system.
+struct Group {
+  explicit Group(const bramah_type& t, Index n) : type(&t), count(n), instances(t, n) {}
+  const bramah_type* type;
+  Index count;
+  Instances instances;
+  std::vector<Index> component;  // (count)
+  // Positions of local variables in State's vectors, instance after instance. Beyond n (for x) or nz + nu (for z and u)
+  // they point to constants: ground, unconnected ports.
+  std::vector<std::int32_t> x, z, u;  // (count x nx), (count x nz), (count x nu)
+  std::vector<Index> first_holonomic, first_nonholonomic, first_output;  // (count), global rows
+  std::array<BlockPattern, BRAMAH_BLOCKS> patterns;
+  std::array<bramah_pattern, BRAMAH_BLOCKS> pattern_views{};  // what evaluate sees
+};
+
+class System {
+ public:
+  std::vector<Variable> x, z;
+  std::vector<Row> holonomic, nonholonomic;  // (m), (l)
+  std::vector<InputSignal> inputs;           // (nu)
+  std::vector<Row> outputs;                  // outputs of components (ny)
+  std::vector<Component> components;
+  std::vector<Group> groups;
+  Vector x_constants, z_constants;           // what ports without a variable read
+  std::shared_ptr<const Registry> registry;  // keeps the libraries' files known for messages
+
+  [[nodiscard]] Index n() const { return static_cast<Index>(x.size()); }
+  [[nodiscard]] Index nz() const { return static_cast<Index>(z.size()); }
+  [[nodiscard]] Index m() const { return static_cast<Index>(holonomic.size()); }
+  [[nodiscard]] Index l() const { return static_cast<Index>(nonholonomic.size()); }
+  [[nodiscard]] Index nu() const { return static_cast<Index>(inputs.size()); }
+  [[nodiscard]] Index ny() const { return static_cast<Index>(outputs.size()); }
+  /// First-order variables of kind spool: the paper's u; the others are its r.
+  [[nodiscard]] Index spools() const;
+
+  /// Row i of [c; b].
+  [[nodiscard]] const Row& constraint(Index i) const;
+  /// Name of its multiplier: "hinge.lambda_x".
+  [[nodiscard]] std::string multiplier_name(Index i) const;
+  /// Unit of the force that it gives: N for a row in m, N.m for rad, else "J/" and the row's unit.
+  [[nodiscard]] std::string multiplier_unit(Index i) const;
+  [[nodiscard]] const std::string& component_name(Index component) const;
+
+  /// Index of a variable by name, or -1.
+  [[nodiscard]] Index find_x(std::string_view name) const;
+  [[nodiscard]] Index find_z(std::string_view name) const;
+};
+
+/// A point in time: everything that the rows depend on. Cheap to copy.
+struct State {
+  double t = 0.0;
+  int side = 1;         // of input jumps and switching points: +1 after, -1 before
+  Vector x, v, a;       // (n + constants); constants have v = a = 0
+  Vector z, zdot;       // (nz + nu + constants): variables, inputs, constants
+  Vector lambda;        // (m + l)
+};
+
+/// The state of the start values at time t, with inputs taken from their signals.
+State initial_state(const System& system, double t = 0.0);
+/// Sets the inputs of `state` from the signals at state.t on side state.side.
+void apply_inputs(const System& system, State& state);
+/// The first time after t where an input jumps or bends; HUGE_VAL where there is none.
+double next_breakpoint(const System& system, double t);
+
+}  // namespace bramah
