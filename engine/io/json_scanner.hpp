@@ -30,7 +30,7 @@ class JsonScanner {
   [[nodiscard]] std::size_t key_begin() const { return key_begin_; }  // of its key; `begin()` where it has none
   [[nodiscard]] std::string name() const;  // its key, escapes decoded, or its index in a list
 
-  /// Opening bytes of the containers around the place reached, the outermost first.
+  /// The containers open at the place reached: how many, and the innermost, where there is one.
   [[nodiscard]] std::size_t depth() const { return open_.size(); }
   [[nodiscard]] std::size_t innermost() const { return open_.back().begin; }
   [[nodiscard]] bool innermost_is_object() const { return open_.back().is_object; }

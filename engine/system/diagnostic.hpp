@@ -17,8 +17,8 @@ struct Diagnostic {
   std::string expected;  // "one of: volume, V_h, B_h, B_oil"
   std::string remedy;    // "did you mean \"volume\"?"
   Severity severity = Severity::error;
-  bool at_key = false;              // the place is the key itself, not its value
-  long long byte = -1;              // set instead of `pointer` where the text could not be parsed (0-based)
+  bool at_key = false;  // the place is the key itself, not its value
+  long long byte = -1;  // set instead of `pointer` where the text could not be parsed (0-based)
 };
 
 /// Every fault of a scene at once. `what()` joins the diagnostics without file positions.

@@ -29,7 +29,7 @@ struct SimulateOptions {
   double from_time = 0.0, to_time = 1.0;
   double output_step = 0.0;           // 0: every accepted step
   std::vector<double> output_times;   // additional, ascending
-  double rel_tol = 1e-8;
+  double rel_tol = 1e-9;              // of each variable's own motion, see simulate.cpp
   double max_step = 0.0;              // 0: no limit
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <optional>
 
 #include "system/diagnostic.hpp"
 #include "system/units.hpp"

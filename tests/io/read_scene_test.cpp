@@ -397,7 +397,7 @@ TEST_F(Files, AreRead) {
 }
 
 TEST_F(Files, MayBeMissing) {
-  write("four_bar.json", "{}");
+  ASSERT_TRUE(fs::exists(write("four_bar.json", "{}")));
   const Diagnostic fault = fault_of(folder_ / "four_bra.json");
   EXPECT_EQ(fault.code, "no-file");
   EXPECT_EQ(fault.remedy, "did you mean \"four_bar.json\"?");

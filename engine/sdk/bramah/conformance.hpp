@@ -23,6 +23,7 @@
 #include <initializer_list>
 #include <limits>
 #include <map>
+#include <memory>
 #include <new>
 #include <ostream>
 #include <set>
@@ -882,12 +883,21 @@ class Examination {
 
 }  // namespace detail
 
+/// Component C as the border describes it; lives as long as the program, as in a library.
+template <class C>
+const bramah_type& type_of() {
+  static const std::unique_ptr<detail::TypeEntry> entry = [] {
+    auto made = std::make_unique<detail::TypeEntry>();
+    detail::describe_type<C>(*made);
+    return made;
+  }();
+  return entry->type;
+}
+
 /// Examines component C at every sample.
 template <class C>
 Conformance conforms(const std::vector<Sample>& samples = {Sample{}}) {
-  detail::TypeEntry entry;
-  detail::describe_type<C>(entry);
-  return detail::Examination(entry.type).run(samples);
+  return detail::Examination(type_of<C>()).run(samples);
 }
 
 }  // namespace bramah

@@ -1,0 +1,71 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "components/friction/brown_mcphee.hpp"
+#include "components/probe.hpp"
+
+namespace bramah::friction {
+namespace {
+
+using bramah::testing::Parameters;
+using bramah::testing::Probe;
+
+const Parameters seal = {{"F_c", 210.0}, {"F_s", 830.0}, {"v_s", 0.0125}, {"sigma_2", 330.0}};  // Table 2
+
+Parameters with(Parameters p, const std::string& name, const Setting& setting) {
+  p.insert_or_assign(name, setting);
+  return p;
+}
+
+TEST(BrownMcPheeTest, Conforms) {
+  const Sample::Magnitude slow = {.v = 0.0125};
+  EXPECT_TRUE(conforms<BrownMcPhee>({{.parameters = seal, .v = {0.0}, .magnitude = slow},
+                                     {.parameters = seal, .v = {0.004}, .magnitude = slow},
+                                     {.parameters = seal, .v = {-0.0125}, .magnitude = slow},
+                                     {.parameters = seal, .v = {0.7}, .magnitude = slow},
+                                     {.parameters = with(seal, "viscous_factor", "tanh4"), .v = {-0.02}}}));
+}
+
+double friction(const Parameters& p, double sdot) {
+  Probe<BrownMcPhee> probe(p);
+  probe.v = {sdot};
+  const auto rows = probe.rows();
+  EXPECT_DOUBLE_EQ(rows.f[0], rows.y[0]) << "friction opposes the motion: f = M a - Q, Q = -F";
+  return rows.y[0];
+}
+
+TEST(BrownMcPheeTest, IsEquationEight) {
+  EXPECT_EQ(friction(seal, 0.0), 0.0);
+  for (const double w : {0.3, 1.0, -1.0, 2.5, -40.0}) {
+    const double sdot = 0.0125 * w;
+    const double expected = 210.0 * std::tanh(4.0 * w) + 620.0 * w / std::pow(0.25 * w * w + 0.75, 2) + 330.0 * sdot;
+    EXPECT_NEAR(friction(seal, sdot), expected, 1e-12 * std::fabs(expected));
+  }
+  // At w = 1 the static part has its peak, the whole F_s - F_c.
+  EXPECT_NEAR(friction(seal, 0.0125), 210.0 * std::tanh(4.0) + 620.0 + 330.0 * 0.0125, 1e-11);
+}
+
+TEST(BrownMcPheeTest, SlopeAtRest) {
+  Probe<BrownMcPhee> probe(seal);
+  const double steep = 4.0 * 210.0 / 0.0125 + 620.0 / 0.0125 / (9.0 / 16.0);  // N.s/m
+  EXPECT_NEAR(probe.partial(BRAMAH_F_V, 0, 0), steep + 330.0, 1e-10 * steep);
+  Probe<BrownMcPhee> original(with(seal, "viscous_factor", "tanh4"));
+  EXPECT_NEAR(original.partial(BRAMAH_F_V, 0, 0), steep + 330.0 * std::tanh(4.0), 1e-10 * steep);
+  EXPECT_NEAR(probe.partial(BRAMAH_Y_V, 0, 0), steep + 330.0, 1e-10 * steep);
+}
+
+TEST(BrownMcPheeTest, StaysFiniteAtAnySpeed) {
+  EXPECT_NEAR(friction(seal, 1e6), 210.0 + 330.0e6, 1.0);
+  EXPECT_NEAR(friction(seal, -1e6), -210.0 - 330.0e6, 1.0);
+}
+
+TEST(BrownMcPheeTest, StaticFrictionIsTheGreater) {
+  const auto faults = Probe<BrownMcPhee>(with(seal, "F_c", 900.0)).faults();
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0], "F_s: 830 N; expected at least F_c = 900 N");
+  EXPECT_TRUE(Probe<BrownMcPhee>(with(seal, "F_c", 830.0)).faults().empty());
+}
+
+}  // namespace
+}  // namespace bramah::friction

@@ -1,0 +1,209 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "components/hydraulics/cylinder.hpp"
+#include "components/hydraulics/directional_valve.hpp"
+#include "components/hydraulics/hose.hpp"
+#include "components/hydraulics/pressure_source.hpp"
+#include "components/hydraulics/throttle.hpp"
+#include "components/hydraulics/volume.hpp"
+#include "components/probe.hpp"
+
+namespace bramah::hydraulics {
+namespace {
+
+using bramah::testing::Parameters;
+using bramah::testing::Probe;
+
+// Table 2.
+const Parameters hose = {{"V_h", 3.14e-5}, {"B_h", 5.5e8}, {"B_oil", 1.5e9}};
+const Parameters throttle = {{"C_d", 0.8}, {"A_t", 2.83e-5}, {"rho_oil", 850.0}};
+const Parameters valve = {{"C_v", 2.138e-8}, {"tau", 0.0045}};
+const Parameters cylinder = {{"D_2", 0.08},          {"D_3", 0.035}, {"l", 0.9},       {"c_1", 0.43},
+                             {"c_2", 1.0}, {"B_oil", 1.5e9}, {"B_c", 3.15e10}};
+
+TEST(VolumeTest, Conforms) { EXPECT_TRUE(conforms<Volume>()); }
+
+TEST(VolumeTest, StoresNothingByItself) {
+  Probe<Volume> probe;
+  probe.zdot = {1e9};
+  EXPECT_EQ(probe.rows().g, std::vector<double>{0.0});
+  EXPECT_EQ(probe.start(), std::vector<double>{1e5});
+  EXPECT_EQ(probe.type.variables[0].nominal, 1e6);
+}
+
+TEST(HoseTest, Conforms) { EXPECT_TRUE(conforms<Hose>({{.parameters = hose}})); }
+
+TEST(HoseTest, AddsItsShareOfTheStorage) {
+  Probe<Hose> probe(hose);
+  probe.zdot = {1e6};
+  const double K = 3.14e-5 * (1.0 / 1.5e9 + 1.0 / 5.5e8);
+  EXPECT_DOUBLE_EQ(probe.rows().g[0], 1e6 * K);
+  EXPECT_DOUBLE_EQ(probe.partial(BRAMAH_G_ZDOT, 0, 0), K);
+}
+
+TEST(CylinderTest, Conforms) {
+  EXPECT_TRUE(conforms<Cylinder>({{.parameters = cylinder, .x = {1.73}, .v = {0.1}},
+                                  {.parameters = cylinder, .x = {1.45}, .v = {0.0}, .z = {0.0, 0.0}},
+                                  {.parameters = cylinder, .x = {2.3}, .v = {-2.0}, .z = {5e6, 1e5}}}));
+}
+
+TEST(CylinderTest, ForceAndStorage) {
+  Probe<Cylinder> probe(cylinder);
+  const double A_2 = std::numbers::pi * 0.0016, A_3 = A_2 - std::numbers::pi * 0.035 * 0.035 / 4.0;
+  const double compliance = 1.0 / 1.5e9 + 1.0 / 3.15e10;
+  probe.x = {1.73};
+  probe.v = {0.2};
+  probe.z = {2.8e6, 3.5e6};
+  probe.zdot = {1e8, -3e8};
+  const auto rows = probe.rows();
+  const double force = A_2 * 2.8e6 - A_3 * 3.5e6;
+  EXPECT_NEAR(rows.y[0], force, 1e-9);
+  EXPECT_NEAR(rows.f[0], -force, 1e-9) << "f = M a - Q";
+  EXPECT_NEAR(rows.y[1], 0.3, 1e-15);
+  EXPECT_NEAR(rows.y[2], 0.6, 1e-15);
+  EXPECT_NEAR(rows.g[0], A_2 * 0.3 * compliance * 1e8 + A_2 * 0.2, 1e-17);
+  EXPECT_NEAR(rows.g[1], -A_3 * 0.6 * compliance * 3e8 - A_3 * 0.2, 1e-17);
+  EXPECT_NEAR(probe.partial(BRAMAH_G_ZDOT, 0, 0), A_2 * 0.3 * compliance, 1e-25);
+  EXPECT_NEAR(probe.partial(BRAMAH_G_ZDOT, 1, 1), A_3 * 0.6 * compliance, 1e-25);
+}
+
+TEST(CylinderTest, HoldsThePaperAtItsEquilibrium) {
+  // paper-notes.md: with c1 = sqrt(3) - 1.3 the lengths are 0.3 and 0.6 m and the oil presses with -48.2506109 N.
+  Parameters p = cylinder;
+  p.insert_or_assign("c_1", std::sqrt(3.0) - 1.3);
+  Probe<Cylinder> probe(p);
+  probe.x = {std::sqrt(3.0)};
+  probe.z = {2820478.97095417111, 3.5e6};
+  const auto rows = probe.rows();
+  EXPECT_NEAR(rows.y[0], -48.2506109296844382, 1e-8);
+  EXPECT_NEAR(rows.y[1], 0.3, 1e-15);
+}
+
+TEST(CylinderTest, RodFitsThePiston) {
+  Parameters p = cylinder;
+  p.insert_or_assign("D_3", 0.08);
+  EXPECT_EQ(Probe<Cylinder>(p).faults(), std::vector<std::string>{"D_3: 0.08 m; expected less than the piston's D_2 = 0.08 m"});
+  EXPECT_TRUE(Probe<Cylinder>(cylinder).faults().empty());
+}
+
+TEST(ThrottleTest, Conforms) {
+  EXPECT_TRUE(conforms<Throttle>({{.parameters = throttle, .z = {3e6, 2e6}},
+                                  {.parameters = throttle, .z = {2e6, 3e6}},
+                                  {.parameters = throttle, .z = {1.1e6, 1e6}},
+                                  {.parameters = throttle, .z = {1e6, 1.15e6}},
+                                  {.parameters = throttle, .z = {1e6, 1e6}},
+                                  {.parameters = throttle, .z = {1.2e6, 1e6}, .side = 1},
+                                  {.parameters = throttle, .z = {1.2e6, 1e6}, .side = -1},
+                                  {.parameters = throttle, .z = {1e6, 1.2e6}, .side = 1},
+                                  {.parameters = throttle, .z = {1e6, 1.2e6}, .side = -1}}));
+}
+
+/// Flow from a to b at the drop dp, and its slope.
+std::array<double, 2> flow(double dp, int side = 1) {
+  Probe<Throttle> probe(throttle);
+  probe.z = {dp, 0.0};
+  probe.side = side;
+  const auto rows = probe.rows();
+  EXPECT_EQ(rows.g[0], rows.y[0]) << "what leaves a";
+  EXPECT_EQ(rows.g[1], -rows.y[0]) << "enters b";
+  EXPECT_EQ(rows.switches[0], std::fabs(dp) - 2e5);
+  return {rows.y[0], probe.partial(BRAMAH_Y_Z, 0, 0)};
+}
+
+TEST(ThrottleTest, IsEquationsFiveAndSix) {
+  const double C_vt = 0.8 * 2.83e-5 * std::sqrt(2.0 / 850.0);
+  EXPECT_EQ(flow(0.0)[0], 0.0);
+  EXPECT_DOUBLE_EQ(flow(0.0)[1], C_vt / std::sqrt(2e5));
+  EXPECT_DOUBLE_EQ(flow(1e5)[0], C_vt * 1e5 / std::sqrt(2e5));
+  EXPECT_DOUBLE_EQ(flow(4e6)[0], C_vt * 2000.0);
+  EXPECT_DOUBLE_EQ(flow(4e6)[1], C_vt / 4000.0);
+  EXPECT_DOUBLE_EQ(flow(-4e6)[0], -C_vt * 2000.0) << "|dp| is tested, not dp";
+  EXPECT_DOUBLE_EQ(flow(-4e6)[1], C_vt / 4000.0);
+}
+
+TEST(ThrottleTest, IsContinuousAtTheLimitWithHalfTheSlope) {
+  for (const double sign : {1.0, -1.0}) {
+    const double limit = sign * 2e5;
+    const auto laminar = flow(limit, -1), turbulent = flow(limit, +1);
+    EXPECT_DOUBLE_EQ(laminar[0], turbulent[0]);
+    EXPECT_DOUBLE_EQ(laminar[1], 2.0 * turbulent[1]);
+    EXPECT_NEAR(flow(std::nextafter(limit, 0.0))[0], flow(limit)[0], 1e-15 * std::fabs(laminar[0]));
+    EXPECT_NEAR(flow(std::nextafter(limit, 2.0 * limit))[0], flow(limit)[0], 1e-15 * std::fabs(laminar[0]));
+  }
+}
+
+TEST(DirectionalValveTest, Conforms) {
+  const auto at = [](std::vector<double> z, int side = 1) { return Sample{.parameters = valve, .z = std::move(z), .side = side}; };
+  EXPECT_TRUE(conforms<DirectionalValve>({at({7.6e6, 1e5, 2.8e6, 3.5e6, 0.5}),
+                                          at({7.6e6, 1e5, 2.8e6, 3.5e6, -0.5}),
+                                          at({7.6e6, 1e5, 2.8e6, 3.5e6, 0.0}, 1),   // the centre, from either side
+                                          at({7.6e6, 1e5, 2.8e6, 3.5e6, 0.0}, -1),
+                                          at({3e6, 1e5, 2.9e6, 2e5, 0.3}),    // laminar
+                                          at({3e6, 1e5, 3.1e6, 0.5e5, 0.3}),  // laminar, backwards
+                                          at({3e6, 1e5, 6e6, 0.0, -0.3}),
+                                          at({1e5, 1e5, 1e5, 1e5, 0.0}, 1),   // no drop, no opening
+                                          at({3e6, 1e5, 2.8e6, 3e5, 0.3}, 1),  // at both laminar limits
+                                          at({3e6, 1e5, 2.8e6, 3e5, 0.3}, -1)}));
+}
+
+TEST(DirectionalValveTest, OpensThePathsOfItsSide) {
+  const double C_v = 2.138e-8;
+  Probe<DirectionalValve> probe(valve);
+  probe.z = {7.6e6, 1e5, 2.8e6, 3.5e6, 0.5};
+  const double in = 0.5 * C_v * std::sqrt(4.8e6), out = 0.5 * C_v * std::sqrt(3.4e6);
+  auto rows = probe.rows();
+  EXPECT_DOUBLE_EQ(rows.y[0], in);
+  EXPECT_DOUBLE_EQ(rows.y[1], -out);
+  EXPECT_DOUBLE_EQ(rows.g[0], in) << "from the pump";
+  EXPECT_DOUBLE_EQ(rows.g[1], -out) << "into the tank";
+  EXPECT_DOUBLE_EQ(rows.g[2], -in);
+  EXPECT_DOUBLE_EQ(rows.g[3], out);
+
+  probe.z[4] = -0.25;
+  const double a_out = 0.25 * C_v * std::sqrt(2.7e6), b_in = 0.25 * C_v * std::sqrt(4.1e6);
+  rows = probe.rows();
+  EXPECT_DOUBLE_EQ(rows.y[0], -a_out);
+  EXPECT_DOUBLE_EQ(rows.y[1], b_in);
+  EXPECT_DOUBLE_EQ(rows.g[0], b_in);
+  EXPECT_DOUBLE_EQ(rows.g[1], -a_out);
+}
+
+TEST(DirectionalValveTest, TakesTheStatedSideOfTheCentre) {
+  // paper-notes.md, item 4: the column that Eq. (88) prints as zero.
+  const double C_v = 2.138e-8;
+  Probe<DirectionalValve> probe(valve);
+  probe.z = {7.6e6, 1e5, 2.8e6, 3.5e6, 0.0};
+  EXPECT_EQ(probe.rows().y, (std::vector<double>{0.0, -0.0}));
+  EXPECT_DOUBLE_EQ(probe.partial(BRAMAH_G_Z, 2, 4), -C_v * std::sqrt(4.8e6));
+  EXPECT_DOUBLE_EQ(probe.partial(BRAMAH_G_Z, 3, 4), C_v * std::sqrt(3.4e6));
+  probe.side = -1;
+  EXPECT_DOUBLE_EQ(probe.partial(BRAMAH_G_Z, 2, 4), -C_v * std::sqrt(2.7e6));
+  EXPECT_DOUBLE_EQ(probe.partial(BRAMAH_G_Z, 3, 4), C_v * std::sqrt(4.1e6));
+}
+
+TEST(DirectionalValveTest, SpoolLagsItsReference) {
+  Probe<DirectionalValve> probe(valve);
+  probe.z[4] = 0.25;
+  probe.zdot[4] = 10.0;
+  probe.u = {1.0};
+  EXPECT_DOUBLE_EQ(probe.rows().g[4], 0.0045 * 10.0 - (1.0 - 0.25));  // Eq. (4)
+  EXPECT_DOUBLE_EQ(probe.partial(BRAMAH_G_ZDOT, 4, 4), 0.0045);
+  EXPECT_DOUBLE_EQ(probe.partial(BRAMAH_G_Z, 4, 4), 1.0);
+  EXPECT_DOUBLE_EQ(probe.partial(BRAMAH_G_U, 4, 0), -1.0);
+}
+
+TEST(PressureSourceTest, Conforms) { EXPECT_TRUE(conforms<PressureSource>({{.parameters = {{"p", 7.6e6}}}})); }
+
+TEST(PressureSourceTest, StaysWhatItIs) {
+  const Probe<PressureSource> probe({{"p", 7.6e6}});
+  EXPECT_EQ(probe.signal(3.0, -1), 7.6e6);
+  EXPECT_EQ(probe.next_breakpoint(0.0), HUGE_VAL);
+  EXPECT_STREQ(probe.type.terminals[0].kind, "pressure");
+  EXPECT_EQ(probe.type.terminals[0].source, BRAMAH_SIGNAL);
+}
+
+}  // namespace
+}  // namespace bramah::hydraulics
