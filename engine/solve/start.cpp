@@ -8,7 +8,7 @@ namespace bramah {
 State consistent_start(const System& system, const Options& options, double t) {
   State state = initial_state(system, t);
   assemble_positions(system, state, options.equilibrium.hold_x);
-  assemble_velocities(system, state);
+  assemble_velocities(system, state, options.equilibrium.hold_x);
   complete(system, state);
   return state;
 }

@@ -8,7 +8,7 @@
 namespace bramah {
 
 /// The scene's start values made consistent: positions and velocities nearest to them, then accelerations, multipliers
-/// and rates. Variables of "hold" stay. Throws AnalysisError.
+/// and rates. Variables of "hold" keep their start values, and coordinates their start rates. Throws AnalysisError.
 State consistent_start(const System& system, const Options& options, double t);
 
 /// The rows that are independent at `state` and everything that follows from t, x, v, z: completes a, lambda, zdot.

@@ -21,8 +21,8 @@ using bramah::testing::Probe;
 const Parameters hose = {{"V_h", 3.14e-5}, {"B_h", 5.5e8}, {"B_oil", 1.5e9}};
 const Parameters throttle = {{"C_d", 0.8}, {"A_t", 2.83e-5}, {"rho_oil", 850.0}};
 const Parameters valve = {{"C_v", 2.138e-8}, {"tau", 0.0045}};
-const Parameters cylinder = {{"D_2", 0.08},          {"D_3", 0.035}, {"l", 0.9},       {"c_1", 0.43},
-                             {"c_2", 1.0}, {"B_oil", 1.5e9}, {"B_c", 3.15e10}};
+const Parameters cylinder = {{"D_2", 0.08}, {"D_3", 0.035},   {"l", 0.9},      {"c_1", 0.43},
+                             {"c_2", 1.0},  {"B_oil", 1.5e9}, {"B_c", 3.15e10}};
 
 TEST(VolumeTest, Conforms) { EXPECT_TRUE(conforms<Volume>()); }
 
@@ -85,7 +85,8 @@ TEST(CylinderTest, HoldsThePaperAtItsEquilibrium) {
 TEST(CylinderTest, RodFitsThePiston) {
   Parameters p = cylinder;
   p.insert_or_assign("D_3", 0.08);
-  EXPECT_EQ(Probe<Cylinder>(p).faults(), std::vector<std::string>{"D_3: 0.08 m; expected less than the piston's D_2 = 0.08 m"});
+  EXPECT_EQ(Probe<Cylinder>(p).faults(),
+            std::vector<std::string>{"D_3: 0.08 m; expected less than the piston's D_2 = 0.08 m"});
   EXPECT_TRUE(Probe<Cylinder>(cylinder).faults().empty());
 }
 
@@ -136,17 +137,17 @@ TEST(ThrottleTest, IsContinuousAtTheLimitWithHalfTheSlope) {
 }
 
 TEST(DirectionalValveTest, Conforms) {
-  const auto at = [](std::vector<double> z, int side = 1) { return Sample{.parameters = valve, .z = std::move(z), .side = side}; };
-  EXPECT_TRUE(conforms<DirectionalValve>({at({7.6e6, 1e5, 2.8e6, 3.5e6, 0.5}),
-                                          at({7.6e6, 1e5, 2.8e6, 3.5e6, -0.5}),
-                                          at({7.6e6, 1e5, 2.8e6, 3.5e6, 0.0}, 1),   // the centre, from either side
-                                          at({7.6e6, 1e5, 2.8e6, 3.5e6, 0.0}, -1),
-                                          at({3e6, 1e5, 2.9e6, 2e5, 0.3}),    // laminar
-                                          at({3e6, 1e5, 3.1e6, 0.5e5, 0.3}),  // laminar, backwards
-                                          at({3e6, 1e5, 6e6, 0.0, -0.3}),
-                                          at({1e5, 1e5, 1e5, 1e5, 0.0}, 1),   // no drop, no opening
-                                          at({3e6, 1e5, 2.8e6, 3e5, 0.3}, 1),  // at both laminar limits
-                                          at({3e6, 1e5, 2.8e6, 3e5, 0.3}, -1)}));
+  const auto at = [](std::vector<double> z, int side = 1) {
+    return Sample{.parameters = valve, .z = std::move(z), .side = side};
+  };
+  EXPECT_TRUE(conforms<DirectionalValve>(
+      {at({7.6e6, 1e5, 2.8e6, 3.5e6, 0.5}), at({7.6e6, 1e5, 2.8e6, 3.5e6, -0.5}),
+       at({7.6e6, 1e5, 2.8e6, 3.5e6, 0.0}, 1),                                    // the centre, from either side
+       at({7.6e6, 1e5, 2.8e6, 3.5e6, 0.0}, -1), at({3e6, 1e5, 2.9e6, 2e5, 0.3}),  // laminar
+       at({3e6, 1e5, 3.1e6, 0.5e5, 0.3}),                                         // laminar, backwards
+       at({3e6, 1e5, 6e6, 0.0, -0.3}), at({1e5, 1e5, 1e5, 1e5, 0.0}, 1),          // no drop, no opening
+       at({3e6, 1e5, 2.8e6, 3e5, 0.3}, 1),                                        // at both laminar limits
+       at({3e6, 1e5, 2.8e6, 3e5, 0.3}, -1)}));
 }
 
 TEST(DirectionalValveTest, OpensThePathsOfItsSide) {

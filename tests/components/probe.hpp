@@ -43,7 +43,8 @@ class Probe {
       }
     }
     for (const Setting& s : settings) {
-      values.push_back({sizeof(bramah_value), s.numbers.data(), static_cast<std::int64_t>(s.numbers.size()), s.text.c_str()});
+      values.push_back(
+          {sizeof(bramah_value), s.numbers.data(), static_cast<std::int64_t>(s.numbers.size()), s.text.c_str()});
     }
     if (type.configure(type.self, memory_, values.data()) != 0) throw std::runtime_error("configure failed");
     x.assign(size(type.nx), 0.0);
@@ -63,7 +64,8 @@ class Probe {
     bramah_batch b = batch();
     out.f.resize(x.size()), out.g.resize(z.size()), out.c.resize(size(type.holonomic_count));
     out.r.resize(lambda.size()), out.s.resize(lambda.size()), out.y.resize(size(type.output_count));
-    b.f = out.f.data(), b.g = out.g.data(), b.c = out.c.data(), b.r = out.r.data(), b.s = out.s.data(), b.y = out.y.data();
+    b.f = out.f.data(), b.g = out.g.data(), b.c = out.c.data(), b.r = out.r.data(), b.s = out.s.data(),
+    b.y = out.y.data();
     if (type.evaluate(type.self, &b) != 0) throw std::runtime_error(b.message);
     if (const auto* s = static_cast<const bramah_switches*>(type.extension(type.self, BRAMAH_EXTENSION_SWITCHES))) {
       out.switches.resize(size(s->count));
@@ -95,7 +97,8 @@ class Probe {
   [[nodiscard]] std::vector<std::string> faults() const {
     std::vector<std::string> found;
     const auto report = [](void* context, const char* parameter, const char* what, const char* expected) {
-      static_cast<std::vector<std::string>*>(context)->push_back(std::string(parameter) + ": " + what + "; expected " + expected);
+      static_cast<std::vector<std::string>*>(context)->push_back(std::string(parameter) + ": " + what + "; expected " +
+                                                                 expected);
     };
     type.check(type.self, memory_, report, &found);
     return found;

@@ -16,7 +16,8 @@ using bramah::testing::Probe;
 const Parameters pulse = {{"unit", "N.m"}, {"times", {0.0, 1.0, 1.5, 1.5}}, {"values", {0.0, 250.0, 250.0, 0.0}}};
 
 TEST(ConstantTest, Conforms) {
-  EXPECT_TRUE(conforms<Constant>({{.parameters = {{"value", -3.0}}}, {.parameters = {{"value", 2.0}, {"unit", "bar"}}}}));
+  EXPECT_TRUE(
+      conforms<Constant>({{.parameters = {{"value", -3.0}}}, {.parameters = {{"value", 2.0}, {"unit", "bar"}}}}));
 }
 
 TEST(ConstantTest, StaysWhatItIs) {
@@ -70,7 +71,8 @@ TEST(TableTest, JumpsAtEitherEnd) {
 TEST(TableTest, ReportsEveryFault) {
   using List = std::vector<std::string>;
   const std::vector<double> none;
-  EXPECT_EQ(Probe<Table>({{"times", none}, {"values", none}}).faults(), List{"times: none; expected at least one time"});
+  EXPECT_EQ(Probe<Table>({{"times", none}, {"values", none}}).faults(),
+            List{"times: none; expected at least one time"});
   EXPECT_EQ(Probe<Table>({{"times", {0.0, 1.0}}, {"values", {0.0}}}).faults(),
             List{"values: 1 values; expected 2, one per time"});
   EXPECT_EQ(Probe<Table>({{"times", {0.0, 2.0, 1.0}}, {"values", {0.0, 0.0, 0.0}}}).faults(),

@@ -495,6 +495,13 @@ TEST(Locate, TakesBytes) {
   EXPECT_EQ(place("", diagnostic), "1:1");
 }
 
+TEST(Locate, EndsCommentsLikeTheParser) {
+  const std::string_view text = "// c\r{\"bramah\": 1, /**/ \"title\": /* // */ \"/*\" /***/}";
+  EXPECT_NO_THROW(read(text));
+  EXPECT_EQ(place_of(text, "/bramah"), "1:17");
+  EXPECT_EQ(place_of(text, "/title"), "1:43");
+}
+
 TEST(Locate, WorksOnBrokenText) {
   EXPECT_EQ(place_of("{\"a\": {\"b\": 1, \"c\": ", "/a/b"), "1:13");
   EXPECT_EQ(place_of("{\"a\": {\"b\": 1, \"c\": ", "/a/c"), "1:16");  // its value is missing

@@ -111,6 +111,9 @@ class Dual {
   double v_;
 };
 
+/// The number that comparisons are made on. Declared before every scalar that is built on double.
+inline double value(double a) { return a; }
+
 template <std::size_t N>
 BRAMAH_INLINE double value(const Dual<N>& a) {
   return a.value();

@@ -12,8 +12,6 @@
 
 namespace bramah {
 
-inline double value(double a) { return a; }
-
 // On double they are those of the standard library.
 using std::abs;
 using std::acos;

@@ -1,0 +1,401 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "components/mechanics/coordinate_force.hpp"
+#include "components/mechanics/force.hpp"
+#include "components/mechanics/gravity.hpp"
+#include "components/mechanics/ground.hpp"
+#include "components/mechanics/planar_body.hpp"
+#include "components/mechanics/planar_force.hpp"
+#include "components/mechanics/planar_revolute.hpp"
+#include "components/mechanics/planar_stroke.hpp"
+#include "components/mechanics/planar_torque.hpp"
+#include "components/mechanics/revolute.hpp"
+#include "components/mechanics/rigid_body.hpp"
+#include "components/mechanics/stroke.hpp"
+#include "components/mechanics/torque.hpp"
+#include "components/probe.hpp"
+
+namespace bramah::mechanics {
+namespace {
+
+using bramah::testing::Parameters;
+using bramah::testing::Probe;
+using Vector = Vec3<double>;
+using Rotation = Quaternion<double>;
+
+Rotation product(const Rotation& p, const Rotation& q) {
+  return {p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3], p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+          p[0] * q[2] + p[2] * q[0] + p[3] * q[1] - p[1] * q[3], p[0] * q[3] + p[3] * q[0] + p[1] * q[2] - p[2] * q[1]};
+}
+template <std::size_t N>
+void expect_near(const std::array<double, N>& a, const std::array<double, N>& b, double tolerance) {
+  for (std::size_t k = 0; k < N; ++k) EXPECT_NEAR(a[k], b[k], tolerance) << "component " << k;
+}
+double power(const std::vector<double>& f, const std::vector<double>& v) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < f.size(); ++k) sum += f[k] * v[k];
+  return sum;
+}
+
+/// A body's local values as an author thinks of them; w in body axes.
+struct Pose {
+  Vector r;
+  Rotation e;
+  Vector rdot, w;
+  [[nodiscard]] std::vector<double> x() const { return {r[0], r[1], r[2], e[0], e[1], e[2], e[3]}; }
+  [[nodiscard]] std::vector<double> v() const {
+    const Rotation q = body_rate_transposed(e, 0.5 * w);
+    return {rdot[0], rdot[1], rdot[2], q[0], q[1], q[2], q[3]};
+  }
+  [[nodiscard]] Vector point(const Vector& u) const { return r + rotate(e, u); }
+  [[nodiscard]] Vector turned(const Vector& u) const {
+    return cross(rotate(e, w), rotate(e, u));
+  }  // w x u, ground axes
+};
+std::vector<double> joined(std::vector<double> a, const std::vector<double>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+const Pose pose_a = {{0.3, -0.2, 1.1}, quaternion_of({0.4, -0.9, 0.3}), {1.0, 2.0, -0.5}, {0.7, -1.3, 0.4}};
+
+TEST(AxesTest, NormalsMakeATriad) {
+  for (const Vector& given : {Vector{0, 0, 1}, Vector{1, 0, 0}, Vector{-2, 2, 1}, Vector{1e-9, -3, 1e-9}}) {
+    const Vector axis = unit(given);
+    const auto [t1, t2] = normals(axis);
+    EXPECT_NEAR(dot(t1, t1), 1.0, 1e-15);
+    EXPECT_NEAR(dot(t2, t2), 1.0, 1e-15);
+    EXPECT_NEAR(dot(t1, axis), 0.0, 1e-16);
+    EXPECT_NEAR(dot(t2, axis), 0.0, 1e-16);
+    expect_near(cross(t1, t2), axis, 1e-15);
+  }
+}
+
+TEST(GroundTest, Conforms) { EXPECT_TRUE(conforms<Ground>()); }
+TEST(GroundTest, IsUnmovedAndUnturned) {
+  EXPECT_EQ(Probe<Ground>().constants(), (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 0, 0, 0}));
+}
+
+TEST(GravityTest, Conforms) {
+  EXPECT_TRUE(conforms<UniformGravity>({{}, {.parameters = {{"acceleration", {0, -9.81, 0}}}}}));
+}
+TEST(GravityTest, PointsDownUnlessTold) {
+  EXPECT_EQ(Probe<UniformGravity>().constants(), (std::vector<double>{0, 0, -9.81}));
+  EXPECT_EQ(Probe<UniformGravity>({{"acceleration", {0, -1.62, 0}}}).constants(), (std::vector<double>{0, -1.62, 0}));
+}
+
+// ---- bodies ----------------------------------------------------------------------------------------------------------
+
+const Parameters brick = {{"mass", 3.0}, {"inertia", {2.0, 2.5, 3.0}}, {"products", {0.1, -0.2, 0.3}}};
+
+TEST(RigidBodyTest, Conforms) {
+  const Parameters rod = {{"mass", 2.0}, {"inertia", {0.667, 0.0, 0.667}}};
+  EXPECT_TRUE(conforms<RigidBody>({{.parameters = brick},
+                                   {.parameters = brick, .x = pose_a.x(), .v = pose_a.v()},
+                                   {.parameters = rod, .x = {0, 0, 0, 1, 0, 0, 0}, .v = {0, 0, 0, 0, 0, 0, 0}},
+                                   {.parameters = rod, .magnitude = {.v = 50.0}}}));
+}
+
+TEST(RigidBodyTest, FallsFreely) {
+  Probe<RigidBody> probe(brick);
+  probe.x = {1, 2, 3, 1, 0, 0, 0};
+  probe.u = {0.5, 0.0, -9.81};
+  probe.a = {0.5, 0.0, -9.81, 0, 0, 0, 0};
+  for (const double f : probe.rows().f) EXPECT_EQ(f, 0.0);
+  probe.a.assign(7, 0.0);
+  EXPECT_EQ(probe.rows().f, (std::vector<double>{-1.5, 0.0, 29.43, 0, 0, 0, 0}));
+}
+
+TEST(RigidBodyTest, ObeysEuler) {
+  // f_e = 2 L^T n with n = I alpha + w x I w, so that n = L f_e / 2.
+  const Vector alpha = {0.9, 0.1, -2.0}, &w = pose_a.w;
+  const double I[3][3] = {{2.0, 0.1, -0.2}, {0.1, 2.5, 0.3}, {-0.2, 0.3, 3.0}};
+  const auto times = [&](const Vector& u) {
+    Vector product = {};
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) product[i] += I[i][j] * u[j];
+    }
+    return product;
+  };
+  Probe<RigidBody> probe(brick);
+  probe.x = pose_a.x();
+  probe.v = pose_a.v();
+  const Rotation swing = body_rate_transposed(pose_a.e, 0.5 * alpha);
+  probe.a = {0, 0, 0};
+  for (std::size_t k = 0; k < 4; ++k) probe.a.push_back(swing[k] - 0.25 * dot(w, w) * pose_a.e[k]);
+  const auto rows = probe.rows();
+  const Rotation f_e = {rows.f[3], rows.f[4], rows.f[5], rows.f[6]};
+  expect_near(0.5 * body_rate(pose_a.e, f_e), times(alpha) + cross(w, times(w)), 1e-14);
+  EXPECT_NEAR(rows.c[0], 0.0, 1e-16);
+  EXPECT_NEAR(rows.r[0], 0.0, 1e-16);
+  EXPECT_NEAR(rows.s[0], 0.0, 1e-15) << "e.eddot = -edot.edot";
+}
+
+TEST(RigidBodyTest, SymmetricTopPrecessesWithoutTorque) {
+  const double A = 2.0, C = 3.5, w3 = 4.0, tilt = 0.6, rate = (C - A) / A * w3;
+  Probe<RigidBody> probe({{"mass", 1.0}, {"inertia", {A, A, C}}});
+  for (const double t : {0.0, 0.3, 1.7}) {
+    const Vector w = {tilt * std::cos(rate * t), tilt * std::sin(rate * t), w3},
+                 alpha = {-rate * w[1], rate * w[0], 0.0};
+    const Pose top = {{0, 0, 0}, pose_a.e, {0, 0, 0}, w};
+    probe.x = top.x();
+    probe.v = top.v();
+    const Rotation swing = body_rate_transposed(top.e, 0.5 * alpha);
+    probe.a = {0, 0, 0};
+    for (std::size_t k = 0; k < 4; ++k) probe.a.push_back(swing[k] - 0.25 * dot(w, w) * top.e[k]);
+    for (const double f : probe.rows().f) EXPECT_NEAR(f, 0.0, 1e-14);
+  }
+}
+
+TEST(RigidBodyTest, NormRow) {
+  Probe<RigidBody> probe(brick);
+  probe.x = {0, 0, 0, 2, 1, 0, 0};
+  probe.v = {0, 0, 0, 0.5, 0, 3, 0};
+  probe.a = {0, 0, 0, 0, 1, 0, 0};
+  const auto rows = probe.rows();
+  EXPECT_EQ(rows.c[0], 2.0);         // (5 - 1) / 2
+  EXPECT_EQ(rows.r[0], 1.0);         // e.edot
+  EXPECT_EQ(rows.s[0], 9.25 + 1.0);  // edot.edot + e.eddot
+}
+
+TEST(RigidBodyTest, StartsWhereTheSceneSays) {
+  Parameters p = brick;
+  p.insert({{"position", {1, 2, 3}}, {"rotation", {0, 0, std::numbers::pi / 2}}, {"velocity", {4, 5, 6}}});
+  p.insert({{"angular_velocity", {0.1, 0.2, 0.3}}});
+  const std::vector<double> s = Probe<RigidBody>(p).start();
+  const Rotation e = {s[3], s[4], s[5], s[6]}, edot = {s[10], s[11], s[12], s[13]};
+  expect_near(Vector{s[0], s[1], s[2]}, {1, 2, 3}, 0.0);
+  expect_near(Vector{s[7], s[8], s[9]}, {4, 5, 6}, 0.0);
+  expect_near(e, {std::sqrt(0.5), 0, 0, std::sqrt(0.5)}, 1e-15);
+  expect_near(rotate(e, Vector{1, 0, 0}), {0, 1, 0}, 1e-15);
+  expect_near(2.0 * body_rate(e, edot), {0.1, 0.2, 0.3}, 1e-15);
+  EXPECT_NEAR(dot(e, edot), 0.0, 1e-16);
+  EXPECT_EQ(Probe<RigidBody>(brick).start(), (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
+}
+
+TEST(RigidBodyTest, RefusesImpossibleInertia) {
+  const auto faults = [](const Vector& inertia, const Vector& products) {
+    return Probe<RigidBody>({{"mass", 1.0},
+                             {"inertia", {inertia[0], inertia[1], inertia[2]}},
+                             {"products", {products[0], products[1], products[2]}}})
+        .faults();
+  };
+  using List = std::vector<std::string>;
+  EXPECT_EQ(faults({2, 2.5, 3}, {0.1, -0.2, 0.3}), List{});
+  EXPECT_EQ(faults({0.667, 0, 0.667}, {0, 0, 0}), List{}) << "a slender rod";
+  EXPECT_EQ(faults({0, 0, 0}, {0, 0, 0}), List{}) << "a point";
+  EXPECT_EQ(faults({2.0 / 3, 2.0 / 3, 2.0 / 3}, {-1.0 / 3, -1.0 / 3, -1.0 / 3}), List{}) << "a rod along (1, 1, 1)";
+  EXPECT_EQ(faults({1, 1, 2}, {0, 0, 0}), List{}) << "a plate";
+  EXPECT_EQ(faults({1, 1, 2.1}, {0, 0, 0}), List{"inertia: (1, 1, 2.1) with products (0, 0, 0); expected no principal "
+                                                 "moment greater than the sum of the other two"});
+  EXPECT_EQ(faults({1, 1, 1}, {1.5, 0, 0}),
+            List{"inertia: (1, 1, 1) with products (1.5, 0, 0); expected a positive semidefinite inertia matrix"});
+  EXPECT_EQ(faults({1, 1, 1}, {0.9, -0.9, 0.9}).size(), 1U) << "every 2 x 2 minor is positive, the determinant is not";
+  EXPECT_EQ(faults({0.6, 0.6, 0.6}, {-0.39, -0.39, -0.39}).size(), 1U) << "thinner than a rod";
+}
+
+TEST(PlanarBodyTest, Conforms) {
+  EXPECT_TRUE(conforms<PlanarBody>({{.parameters = {{"mass", 2.0}, {"inertia", 0.7}}}}));
+}
+
+TEST(PlanarBodyTest, FallsInItsPlane) {
+  Probe<PlanarBody> probe({{"mass", 2.0},
+                           {"inertia", 0.5},
+                           {"position", {1, 2}},
+                           {"angle", 0.3},
+                           {"velocity", {4, 5}},
+                           {"angular_velocity", 6.0}});
+  probe.u = {1.0, -9.0, 77.0};
+  probe.a = {0.0, 0.0, 4.0};
+  EXPECT_EQ(probe.rows().f, (std::vector<double>{-2.0, 18.0, 2.0}));
+  EXPECT_EQ(probe.start(), (std::vector<double>{1, 2, 0.3, 4, 5, 6}));
+}
+
+// ---- joints ----------------------------------------------------------------------------------------------------------
+
+const Vector hinge_a = {0.1, 0.5, -0.2}, hinge_b = {-0.7, 0.2, 0.3}, axis_a = {1, 2, -2}, axis_b = {0, 0.6, 0.8};
+const Parameters hinge = {
+    {"point_a", {0.1, 0.5, -0.2}}, {"point_b", {-0.7, 0.2, 0.3}}, {"axis_a", {1, 2, -2}}, {"axis_b", {0, 3, 4}}};
+
+/// The other body of the hinge, turned by `angle` about its axis.
+Pose assembled(double angle) {
+  const Vector n = rotate(pose_a.e, unit(axis_a)), turn = cross(axis_b, n);
+  Rotation e = {1.0 + dot(axis_b, n), turn[0], turn[1], turn[2]};  // the shortest turn of axis_b to n
+  e = (1.0 / std::sqrt(dot(e, e))) * e;
+  Pose b = {{}, product(e, quaternion_of(angle * axis_b)), {0.2, -0.1, 0.6}, {-0.5, 0.8, 1.9}};
+  b.r = pose_a.point(hinge_a) - rotate(b.e, hinge_b);
+  return b;
+}
+
+TEST(RevoluteTest, Conforms) {
+  const Pose b = assembled(0.8);
+  EXPECT_TRUE(conforms<Revolute>({{.parameters = hinge},
+                                  {},  // all by default: points at the origins, axes along z
+                                  {.parameters = hinge,
+                                   .x = joined(pose_a.x(), b.x()),
+                                   .v = joined(pose_a.v(), b.v()),
+                                   .magnitude = {.lambda = 1e4}}}));
+}
+
+TEST(RevoluteTest, RowsVanishWhereAssembled) {
+  Probe<Revolute> probe(hinge);
+  for (const double angle : {0.0, 0.8, -2.5, std::numbers::pi}) {
+    probe.x = joined(pose_a.x(), assembled(angle).x());
+    for (const double c : probe.rows().c) EXPECT_NEAR(c, 0.0, 1e-15);
+  }
+}
+
+TEST(RevoluteTest, RatesAreThoseOfRigidBodies) {
+  Probe<Revolute> probe(hinge);
+  const Pose& a = pose_a;
+  Pose b = assembled(0.8);
+  b.r = {2.0, 0.1, -1.0};  // rates hold anywhere
+  b.e = quaternion_of({-0.2, 1.4, 0.8});
+  probe.x = joined(a.x(), b.x());
+  probe.v = joined(a.v(), b.v());
+  const auto rows = probe.rows();
+  const Vector gap = a.point(hinge_a) - b.point(hinge_b),
+               rate = a.rdot + a.turned(hinge_a) - b.rdot - b.turned(hinge_b);
+  expect_near(Vector{rows.c[0], rows.c[1], rows.c[2]}, gap, 1e-15);
+  expect_near(Vector{rows.r[0], rows.r[1], rows.r[2]}, rate, 1e-14);
+  const auto t = normals(unit(axis_a));
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Vector tilt = rotate(a.e, t[k]), n = rotate(b.e, axis_b);
+    EXPECT_NEAR(rows.c[3 + k], dot(tilt, n), 1e-15);
+    EXPECT_NEAR(rows.r[3 + k], dot(a.turned(t[k]), n) + dot(tilt, b.turned(axis_b)), 1e-14);
+  }
+}
+
+TEST(RevoluteTest, LeavesOneTurnFree) {
+  // Turning b about the axis through the hinge violates no row.
+  Probe<Revolute> probe(hinge);
+  Pose a = pose_a, b = assembled(0.8);
+  a.rdot = a.w = {};
+  b.w = 2.0 * axis_b;
+  b.rdot = -1.0 * b.turned(hinge_b);
+  probe.x = joined(a.x(), b.x());
+  probe.v = joined(a.v(), b.v());
+  for (const double r : probe.rows().r) EXPECT_NEAR(r, 0.0, 1e-15);
+}
+
+TEST(RevoluteTest, NeedsAnAxis) {
+  Parameters p = hinge;
+  p.insert_or_assign("axis_b", Setting{0.0, 0.0, 0.0});
+  EXPECT_EQ(Probe<Revolute>(p).faults(),
+            std::vector<std::string>{"axis_b: (0, 0, 0); expected a direction: at least one number other than zero"});
+}
+
+TEST(PlanarRevoluteTest, Conforms) {
+  EXPECT_TRUE(conforms<PlanarRevolute>({{.parameters = {{"point_a", {0.3, -0.4}}, {"point_b", {0.1, 0.9}}}}, {}}));
+}
+
+TEST(PlanarRevoluteTest, IsThePinOfTwoBodies) {
+  Probe<PlanarRevolute> probe({{"point_a", {2.0, 0.0}}, {"point_b", {0.0, 1.0}}});
+  const double quarter = std::numbers::pi / 2;
+  probe.x = {1.0, 1.0, quarter, 2.0, 3.0, quarter};  // a's pin at (1, 3); b's at (2 - 1, 3)
+  probe.v = {0.5, 0.0, 3.0, 0.0, 0.25, -4.0};
+  const auto rows = probe.rows();
+  EXPECT_NEAR(rows.c[0], 0.0, 1e-15);
+  EXPECT_NEAR(rows.c[1], 0.0, 1e-15);
+  EXPECT_NEAR(rows.r[0], 0.5 - 3.0 * 2.0, 1e-14);
+  EXPECT_NEAR(rows.r[1], -0.25 - 4.0, 1e-14);
+  EXPECT_NEAR(rows.s[0], -(-16.0 * -1.0), 1e-13) << "a turns about y only; b: -w^2 d";
+  EXPECT_NEAR(rows.s[1], -9.0 * 2.0, 1e-13);
+}
+
+TEST(StrokeTest, Conforms) {
+  EXPECT_TRUE(conforms<Stroke>({{.parameters = {{"point_a", {0.1, 0.2, 0.3}}, {"point_b", {-0.4, 0.5, 0.6}}}}, {}}));
+}
+
+TEST(StrokeTest, IsADistance) {
+  Probe<Stroke> probe({{"point_b", {0.0, 1.0, 0.0}}, {"length", 5.0}});
+  probe.x = {1, 1, 1, 1, 0, 0, 0, 1, 3, 5, 1, 0, 0, 0, 5.0};  // from (1, 1, 1) to (1, 4, 5)
+  auto rows = probe.rows();
+  EXPECT_EQ(rows.c[0], 0.0);
+  EXPECT_EQ(probe.start(), (std::vector<double>{5.0, 0.0}));
+  probe.v.assign(15, 0.0);
+  probe.v[0] = 7.0;   // across: no rate, but 49 / 5 in the second
+  probe.v[8] = 10.0;  // 3/5 of it along, 8 across
+  probe.v[14] = 1.0;
+  probe.a[9] = 2.0;  // 4/5 of it along
+  rows = probe.rows();
+  EXPECT_NEAR(rows.r[0], 6.0 - 1.0, 1e-14);
+  EXPECT_NEAR(rows.s[0], (49.0 + 64.0) / 5.0 + 1.6, 1e-13);
+  EXPECT_DOUBLE_EQ(probe.partial(BRAMAH_R_V, 0, 8), 0.6);
+  EXPECT_EQ(probe.partial(BRAMAH_R_V, 0, 14), -1.0);
+}
+
+TEST(PlanarStrokeTest, Conforms) {
+  EXPECT_TRUE(conforms<PlanarStroke>({{.parameters = {{"point_a", {0.1, 0.2}}, {"point_b", {-0.4, 0.5}}}}, {}}));
+}
+
+TEST(PlanarStrokeTest, IsADistance) {
+  Probe<PlanarStroke> probe({{"point_b", {1.0, 0.0}}});
+  probe.x = {0, 0, 0.4, 3, 3, std::numbers::pi / 2, 5.0};
+  probe.v = {0, 0, 1.0, 0, 0, 2.0, 0};  // b's point moves with (-2, 0)
+  const auto rows = probe.rows();
+  EXPECT_NEAR(rows.c[0], 0.0, 1e-15);
+  EXPECT_NEAR(rows.r[0], -1.2, 1e-14);
+  EXPECT_EQ(probe.start(), (std::vector<double>{1.0, 0.0}));
+}
+
+// ---- forces ----------------------------------------------------------------------------------------------------------
+
+TEST(CoordinateForceTest, Conforms) { EXPECT_TRUE(conforms<CoordinateForce>()); }
+TEST(CoordinateForceTest, AddsItsSignal) {
+  Probe<CoordinateForce> probe;
+  probe.u = {250.0};
+  EXPECT_EQ(probe.rows().f, std::vector<double>{-250.0});
+}
+
+TEST(ForceTest, Conforms) {
+  EXPECT_TRUE(conforms<Force>({{.parameters = {{"direction", {1, 2, 3}}, {"point", {0.1, -0.2, 0.3}}}},
+                               {.parameters = {{"direction", {0, 0, -1}}}}}));
+}
+TEST(ForceTest, DoesTheWorkOfItsPoint) {
+  Probe<Force> probe({{"direction", {0, 3, 4}}, {"point", {0.1, -0.2, 0.3}}});
+  probe.x = pose_a.x();
+  probe.v = pose_a.v();
+  probe.u = {20.0};
+  const auto rows = probe.rows();
+  EXPECT_NEAR(rows.f[1], -12.0, 1e-14);
+  EXPECT_NEAR(rows.f[2], -16.0, 1e-14);
+  EXPECT_NEAR(power(rows.f, probe.v), -dot(Vector{0, 12, 16}, pose_a.rdot + pose_a.turned({0.1, -0.2, 0.3})), 1e-13);
+}
+TEST(ForceTest, NeedsADirection) { EXPECT_EQ(Probe<Force>({{"direction", {0, 0, 0}}}).faults().size(), 1U); }
+
+TEST(TorqueTest, Conforms) { EXPECT_TRUE(conforms<Torque>({{}, {.parameters = {{"axis", {1, -2, 3}}}}})); }
+TEST(TorqueTest, DoesTheWorkOfItsAxis) {
+  Probe<Torque> probe({{"axis", {3, 0, 4}}});
+  probe.x = pose_a.x();
+  probe.v = pose_a.v();
+  probe.u = {5.0};
+  EXPECT_NEAR(power(probe.rows().f, probe.v), -(3.0 * pose_a.w[0] + 4.0 * pose_a.w[2]), 1e-14);
+}
+TEST(TorqueTest, NeedsAnAxis) { EXPECT_EQ(Probe<Torque>({{"axis", {0, 0, 0}}}).faults().size(), 1U); }
+
+TEST(PlanarForceTest, Conforms) {
+  EXPECT_TRUE(conforms<PlanarForce>({{.parameters = {{"direction", {1, 2}}, {"point", {0.1, -0.2}}}}}));
+}
+TEST(PlanarForceTest, HasItsArm) {
+  Probe<PlanarForce> probe({{"direction", {0, 2}}, {"point", {0.5, 0.0}}});
+  probe.x = {0, 0, std::numbers::pi};
+  probe.u = {20.0};
+  const auto f = probe.rows().f;
+  EXPECT_EQ(f[0], 0.0);
+  EXPECT_EQ(f[1], -20.0);
+  EXPECT_NEAR(f[2], 10.0, 1e-14) << "the arm points to -x";
+}
+TEST(PlanarForceTest, NeedsADirection) { EXPECT_EQ(Probe<PlanarForce>({{"direction", {0, 0}}}).faults().size(), 1U); }
+
+TEST(PlanarTorqueTest, Conforms) { EXPECT_TRUE(conforms<PlanarTorque>()); }
+TEST(PlanarTorqueTest, AddsItsSignal) {
+  Probe<PlanarTorque> probe;
+  probe.u = {4.0};
+  EXPECT_EQ(probe.rows().f, (std::vector<double>{0, 0, -4.0}));
+}
+
+}  // namespace
+}  // namespace bramah::mechanics
