@@ -1,10 +1,11 @@
-# bramah_add_plugin(<name> <sources>...)
+# bramah_add_plugin(<name> [NO_INSTALL] <sources>...)
 #
 # A library of components that Bramah loads at run time: <name>.so, and with BRAMAH_V3_TWINS on x86-64 also <name>.v3.so,
 # the same sources compiled for processors with AVX2 and FMA. The targets are <name> and <name>.v3.
-# Put where BRAMAH_PLUGIN_OUTPUT_DIRECTORY says, if it is set; installed to lib/bramah/plugins.
+# Put where BRAMAH_PLUGIN_OUTPUT_DIRECTORY says, if it is set; installed to lib/bramah/plugins, unless NO_INSTALL.
+# Optimized unless a build type says otherwise: a plugin's inner loops are the engine's.
 # One file serves Bramah itself and, from the installed package, everybody else.
-if(CMAKE_BUILD_TYPE STREQUAL "Release")
+if(CMAKE_BUILD_TYPE STREQUAL "Release" OR NOT CMAKE_BUILD_TYPE)
   option(BRAMAH_V3_TWINS "Compile each plugin a second time for x86-64-v3 (AVX2, FMA)" ON)
 else()
   option(BRAMAH_V3_TWINS "Compile each plugin a second time for x86-64-v3 (AVX2, FMA)" OFF)
@@ -23,6 +24,7 @@ function(bramah_add_plugin name)
 endfunction()
 
 function(bramah_add_plugin_variant target)
+  cmake_parse_arguments(PARSE_ARGV 1 plugin "NO_INSTALL" "" "")
   # A plugin in plain C needs the C header only, and no C++ compiler.
   get_property(languages GLOBAL PROPERTY ENABLED_LANGUAGES)
   if(CXX IN_LIST languages)
@@ -30,7 +32,7 @@ function(bramah_add_plugin_variant target)
   else()
     set(border Bramah::abi)
   endif()
-  add_library(${target} MODULE ${ARGN})
+  add_library(${target} MODULE ${plugin_UNPARSED_ARGUMENTS})
   target_link_libraries(${target} PRIVATE ${border})
   set_target_properties(${target} PROPERTIES
     PREFIX ""
@@ -47,8 +49,10 @@ function(bramah_add_plugin_variant target)
   # Hidden visibility alone still exports instantiations of standard templates, some of them unique in the whole process:
   # the version script leaves the one entry point.
   target_compile_options(${target} PRIVATE
-    $<$<CONFIG:Release>:-O3>
+    $<$<OR:$<CONFIG:Release>,$<CONFIG:>>:-O3>
     $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>)
   target_link_options(${target} PRIVATE LINKER:--version-script=${BRAMAH_PLUGIN_MAP} LINKER:--exclude-libs,ALL)
-  install(TARGETS ${target} LIBRARY DESTINATION lib/bramah/plugins)
+  if(NOT plugin_NO_INSTALL)
+    install(TARGETS ${target} LIBRARY DESTINATION lib/bramah/plugins)
+  endif()
 endfunction()

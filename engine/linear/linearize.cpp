@@ -222,7 +222,6 @@ void Linearizer::linearize(const State& state, LinearModel& model) {
 void Linearizer::linearize_augmented(const State& state, LinearModel& model) {
   evaluate(state);
   const Index n = system_.n(), nz = system_.nz(), nu = system_.nu(), states = 2 * n + nz;
-  const Index rows = static_cast<Index>(partition_.rows.size());
   motion_.setIdentity(states + nu, states + nu);
   respond();
   model.A.resize(states, states);
@@ -233,7 +232,6 @@ void Linearizer::linearize_augmented(const State& state, LinearModel& model) {
   model.B.middleRows(n, n) = response_.topRows(n).rightCols(nu);
   model.A.bottomRows(nz) = response_.bottomRows(nz).leftCols(states);
   model.B.bottomRows(nz) = response_.bottomRows(nz).rightCols(nu);
-  (void)rows;
   model.states = augmented_states_;
   measure(model, states);
   model.kinks = kinks_at(state);
@@ -284,7 +282,7 @@ std::vector<KinkTaken> Linearizer::kinks_at(const State& state) const {
   std::vector<KinkTaken> kinks;
   for (const Group& group : system_.groups) {
     const bramah_type& type = *group.type;
-    const auto* switches = static_cast<const bramah_switches*>(type.extension(type.self, BRAMAH_EXTENSION_SWITCHES));
+    const auto* switches = extension<bramah_switches>(type, BRAMAH_EXTENSION_SWITCHES);
     if (switches == nullptr) continue;
     Vector values(static_cast<std::size_t>(switches->count)), x, v, z, u;
     for (Index i = 0; i < group.count; ++i) {

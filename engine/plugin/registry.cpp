@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstdlib>
 #include <set>
 #include <sstream>
@@ -12,6 +13,10 @@ namespace bramah {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Structs only grow within an epoch: what its first minor version had is enough.
+constexpr std::size_t type_size_of_epoch = offsetof(bramah_type, extension) + sizeof(void*);
+constexpr std::size_t library_size_of_epoch = offsetof(bramah_library, type_count) + sizeof(std::int32_t);
 
 std::string text(const char* s) { return s == nullptr ? std::string() : std::string(s); }
 
@@ -34,13 +39,12 @@ bool valid_name(std::string_view name) {
 /// Why a table cannot be used, or "".
 std::string defect(const bramah_type& type, std::string_view library) {
   const std::string name = text(type.name);
-  if (type.size < sizeof(bramah_type)) return "its description is shorter than this epoch's";
+  if (type.size < type_size_of_epoch) return "its description is shorter than this epoch's";
   if (name.substr(0, name.find('/')) != library || name.find('/') == std::string::npos) {
     return "its name does not begin with \"" + std::string(library) + "/\"";
   }
-  if (type.evaluate == nullptr || type.configure == nullptr || type.destroy == nullptr || type.structure == nullptr ||
-      type.check == nullptr || type.start == nullptr || type.extension == nullptr) {
-    return "a function is missing";
+  if (type.evaluate == nullptr || type.configure == nullptr || type.structure == nullptr) {
+    return "configure, structure or evaluate is missing";
   }
   if (!std::has_single_bit(type.instance_align) || type.instance_bytes == 0 ||
       type.instance_bytes % type.instance_align != 0) {
@@ -71,10 +75,10 @@ std::string defect(const bramah_type& type, std::string_view library) {
         (terminal.family > 1 || terminal.first < 0 || terminal.first + terminal.slots > own[terminal.family])) {
       return "terminal \"" + text(terminal.name) + "\" shows variables that it does not have";
     }
-    if (terminal.source == BRAMAH_CONSTANT && type.extension(type.self, BRAMAH_EXTENSION_CONSTANTS) == nullptr) {
+    if (terminal.source == BRAMAH_CONSTANT && extension<bramah_constants>(type, BRAMAH_EXTENSION_CONSTANTS) == nullptr) {
       return "terminal \"" + text(terminal.name) + "\" needs a function `constants`";
     }
-    if (terminal.source == BRAMAH_SIGNAL && type.extension(type.self, BRAMAH_EXTENSION_SIGNAL) == nullptr) {
+    if (terminal.source == BRAMAH_SIGNAL && extension<bramah_signal>(type, BRAMAH_EXTENSION_SIGNAL) == nullptr) {
       return "terminal \"" + text(terminal.name) + "\" needs functions `signal` and `next_breakpoint`";
     }
   }
@@ -188,7 +192,7 @@ void Registry::load(std::string_view name) {
 
 void Registry::add(const bramah_library* library, const fs::path& origin) {
   const std::string name = text(library->name);
-  if (library->size < sizeof(bramah_library) || library->epoch != BRAMAH_ABI_EPOCH) {
+  if (library->size < library_size_of_epoch || library->epoch != BRAMAH_ABI_EPOCH) {
     throw PluginError("abi-mismatch",
                       origin.string() + " was made for border epoch " + std::to_string(library->epoch) + " by " +
                           text(library->made_with),
@@ -206,6 +210,10 @@ void Registry::add(const bramah_library* library, const fs::path& origin) {
     if (!fault.empty()) {
       throw PluginError("library-broken", "type " + text(type.name) + " of " + origin.string() + ": " + fault,
                         "a consistent description", "repair the component's describe");
+    }
+    for (std::int32_t k = 0; k < i; ++k) {
+      if (text(library->types[k]->name) != type.name) continue;
+      throw PluginError("type-twice", "type " + text(type.name) + " twice in " + origin.string(), "one definition of each type", "rename one of the types");
     }
     if (const auto twin = types_.find(type.name); twin != types_.end()) {
       throw PluginError("type-twice",

@@ -25,6 +25,12 @@ class PluginError : public std::runtime_error {
   std::string code_, found_, expected_, remedy_;
 };
 
+/// The extension `id` of a type, as the struct that the id stands for; null where it is not offered.
+template <class Extension>
+const Extension* extension(const bramah_type& type, const char* id) {
+  return type.extension == nullptr ? nullptr : static_cast<const Extension*>(type.extension(type.self, id));
+}
+
 /// A loaded library and the file it came from.
 struct LoadedLibrary {
   const bramah_library* library = nullptr;

@@ -405,6 +405,7 @@ class Compiler {
         Faults* faults;
         const Draft* draft;
       } context{&faults_, &draft};
+      if (draft.type->check == nullptr) continue;
       draft.type->check(
           draft.type->self, instance,
           [](void* c, const char* parameter, const char* found, const char* expected) {
@@ -440,7 +441,7 @@ class Compiler {
         (info.family == BRAMAH_X ? s.x : s.z).push_back(std::move(variable));
       }
       v.assign(x.size(), 0.0);
-      type.start(type.self, instance, x.data(), v.data(), z.data());
+      if (type.start != nullptr) type.start(type.self, instance, x.data(), v.data(), z.data());
       for (std::size_t i = 0; i < x.size(); ++i) {
         Variable& variable = s.x[static_cast<std::size_t>(draft.first_x) + i];
         variable.start = x[i];
@@ -464,11 +465,11 @@ class Compiler {
       add_rows(s.holonomic, type.holonomic, type.holonomic_count);
       add_rows(s.nonholonomic, type.nonholonomic, type.nonholonomic_count);
       add_rows(s.outputs, type.outputs, type.output_count);
-      if (const auto* constants = static_cast<const bramah_constants*>(type.extension(type.self, BRAMAH_EXTENSION_CONSTANTS))) {
+      if (const auto* constants = extension<bramah_constants>(type, BRAMAH_EXTENSION_CONSTANTS)) {
         draft.constants.resize(static_cast<std::size_t>(constants->count));
         constants->values(type.self, instance, draft.constants.data());
       }
-      if (const auto* signal = static_cast<const bramah_signal*>(type.extension(type.self, BRAMAH_EXTENSION_SIGNAL))) {
+      if (const auto* signal = extension<bramah_signal>(type, BRAMAH_EXTENSION_SIGNAL)) {
         draft.input = s.nu();
         std::string unit;
         for (std::int32_t i = 0; i < type.terminal_count; ++i) {

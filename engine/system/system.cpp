@@ -19,7 +19,7 @@ Instances::Instances(Instances&& other) noexcept
 
 Instances::~Instances() {
   if (memory_ == nullptr) return;
-  for (Index i = 0; i < constructed_; ++i) type_->destroy(type_->self, at(i));
+  for (Index i = 0; type_->destroy != nullptr && i < constructed_; ++i) type_->destroy(type_->self, at(i));
   ::operator delete(memory_, std::align_val_t(type_->instance_align));
 }
 

@@ -77,11 +77,11 @@ static const void* extension(const void* self, const char* id) {
 
 static const double zero = 0.0;
 
-#define PARAMETER(symbol, unit_, lower_, required_, doc_)                                                 \
-  {                                                                                                       \
-    .size = sizeof(bramah_parameter_info), .name = symbol, .doc = doc_, .unit = unit_,                    \
-    .kind = BRAMAH_NUMBER, .required = required_, .count = 1, .lower = lower_, .upper = HUGE_VAL,         \
-    .default_numbers = required_ ? NULL : &zero, .default_count = required_ ? 0 : 1                       \
+#define PARAMETER(symbol, unit_, lower_, required_, doc_)                                                     \
+  {                                                                                                           \
+    .size = sizeof(bramah_parameter_info), .name = symbol, .doc = doc_, .unit = unit_, .kind = BRAMAH_NUMBER, \
+    .required = required_, .count = 1, .lower = lower_, .upper = HUGE_VAL,                                    \
+    .default_numbers = required_ ? NULL : &zero, .default_count = required_ ? 0 : 1                           \
   }
 static const bramah_parameter_info parameters[] = {
     PARAMETER("k", "N/m", 0.0, 1, "stiffness"),
@@ -91,8 +91,15 @@ static const bramah_parameter_info parameters[] = {
 };
 
 static const bramah_port_info ports[] = {
-    {.size = sizeof(bramah_port_info), .name = "along", .doc = "the length it acts on", .kind = "coordinate",
-     .unit = "m", .family = BRAMAH_X, .slots = 1, .required = 1, .rest = NULL},
+    {.size = sizeof(bramah_port_info),
+     .name = "along",
+     .doc = "the length it acts on",
+     .kind = "coordinate",
+     .unit = "m",
+     .family = BRAMAH_X,
+     .slots = 1,
+     .required = 1,
+     .rest = NULL},
 };
 
 static const bramah_type spring_type = {

@@ -1,5 +1,5 @@
-#include <bramah/conformance.hpp>
 #include <gtest/gtest.h>
+#include <bramah/conformance.hpp>
 
 extern "C" const bramah_library* bramah_library_v1(void);
 

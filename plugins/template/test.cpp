@@ -1,5 +1,5 @@
-#include <bramah/conformance.hpp>
 #include <gtest/gtest.h>
+#include <bramah/conformance.hpp>
 
 #include "strut.cpp"
 

@@ -170,7 +170,8 @@ typedef struct bramah_type {
   size_t instance_bytes, instance_align;
   const void* self; /* for the library's own use, first argument of what follows */
 
-  /* Makes an instance in `memory` from `values`, one per parameter in their order. */
+  /* configure, structure and evaluate are required; the others may be null and then do nothing.
+   * configure makes an instance in `memory` from `values`, one per parameter in their order. */
   int (*configure)(const void* self, void* memory, const bramah_value* values);
   void (*destroy)(const void* self, void* instance);
   /* Reports what single limits cannot express; `report` may be called any number of times. */

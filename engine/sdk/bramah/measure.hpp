@@ -19,10 +19,15 @@ void add_particle(const At<T>& at, Rows<T>& rows, double mass, const Vec3<T>& gr
     path[j].c[1] = at.v()[j];
     path[j].c[2] = 0.5 * at.a()[j];
   }
-  const Vec3<Taylor<T, 2>> r = position(Positions<Taylor<T, 2>>(path, Taylor<T, 2>(0.0), 1));
+  Taylor<T, 2> clock(0.0);
+  clock.c[0] = at.time();
+  clock.c[1] = T(1.0);
+  const Vec3<Taylor<T, 2>> r = position(Positions<Taylor<T, 2>>(path, clock, 1));
   Vec3<T> force;
   for (std::size_t k = 0; k < 3; ++k) force[k] = (gravity[k] - 2.0 * r[k].c[2]) * mass;
 
+  Taylor<T, 1> now(0.0);
+  now.c[0] = at.time();
   Taylor<T, 1> x[nx];
   for (std::size_t j = 0; j < nx; ++j) {
     x[j].c[0] = at.x()[j];
@@ -30,7 +35,7 @@ void add_particle(const At<T>& at, Rows<T>& rows, double mass, const Vec3<T>& gr
   }
   for (std::size_t j = 0; j < nx; ++j) {
     x[j].c[1] = T(1.0);
-    const Vec3<Taylor<T, 1>> moved = position(Positions<Taylor<T, 1>>(x, Taylor<T, 1>(0.0), 1));
+    const Vec3<Taylor<T, 1>> moved = position(Positions<Taylor<T, 1>>(x, now, 1));
     Coordinate q;
     q.slot = static_cast<int>(j);
     rows.apply(q, moved[0].c[1] * force[0] + moved[1].c[1] * force[1] + moved[2].c[1] * force[2]);

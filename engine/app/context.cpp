@@ -1,0 +1,62 @@
+#include "app/context.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "app/failure.hpp"
+#include "io/output_file.hpp"
+#include "io/read_scene.hpp"
+#include "solve/start.hpp"
+
+namespace bramah {
+
+Context load(const Arguments& arguments) {
+  Source source{arguments.subject, ""};
+  try {
+    source = read_source(arguments.subject);
+    Scene scene = read_scene_text(source.text, source.name);
+    for (const std::string& setting : arguments.settings) apply_setting(scene, setting);
+    Compiled compiled = compile(scene, std::make_shared<Registry>());
+    return {arguments, std::move(scene), std::move(compiled)};
+  } catch (const SceneError& error) {
+    throw Failure::scene(source, error, arguments.settings);
+  }
+}
+
+Linearization linearize(const Context& context) {
+  const Options& options = context.options();
+  Linearization result;
+  result.at_equilibrium = options.linearize.at == LinearizeOptions::At::equilibrium;
+  if (result.at_equilibrium) {
+    Equilibrium equilibrium = find_equilibrium(context.system(), options.equilibrium, context.start_time());
+    result.state = std::move(equilibrium.state);
+    result.free_directions = std::move(equilibrium.free_directions);
+  } else {
+    result.state = consistent_start(context.system(), options, context.start_time());
+  }
+  result.state.side = options.linearize.side;
+  result.partition = choose_partition(context.system(), result.state, options.linearize.independent);
+  Linearizer(context.system(), result.partition, options.outputs).linearize(result.state, result.model);
+  return result;
+}
+
+void print(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) return;
+  throw WriteError("standard output", std::strerror(errno), "make room, or send the output elsewhere");
+}
+
+void say(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); }
+
+void deliver(const Arguments& arguments, std::string_view file, const std::string& document, const std::string& text) {
+  if (!arguments.out.empty()) {
+    const std::filesystem::path folder(arguments.out);
+    make_folder(folder);
+    write_file(folder / file, document);
+    say("wrote " + (folder / file).string() + "\n");
+  }
+  print(arguments.json ? document : text);
+}
+
+}  // namespace bramah

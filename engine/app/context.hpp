@@ -1,0 +1,47 @@
+// What every verb begins and ends with: a scene compiled with its settings, and results delivered.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "app/arguments.hpp"
+#include "linear/linearize.hpp"
+#include "solve/equilibrium.hpp"
+#include "system/compile.hpp"
+
+namespace bramah {
+
+struct Context {
+  Arguments arguments;
+  Scene scene;
+  Compiled compiled;
+  [[nodiscard]] const System& system() const { return compiled.system; }
+  [[nodiscard]] const Options& options() const { return compiled.options; }
+  /// Analyses without a time of their own take the inputs of this one.
+  [[nodiscard]] double start_time() const { return options().simulate.from_time; }
+};
+
+/// Reads, sets and compiles. Throws Failure.
+Context load(const Arguments& arguments);
+
+/// A linear model and where it came from.
+struct Linearization {
+  bool at_equilibrium = true;
+  State state;
+  std::vector<FreeDirection> free_directions;  // of the equilibrium
+  Partition partition;
+  LinearModel model;
+};
+Linearization linearize(const Context& context);
+
+/// The document as FILE in the folder of --out, where one is given; on standard output the document with --json and
+/// the text without.
+void deliver(const Arguments& arguments, std::string_view file, const std::string& document, const std::string& text);
+
+/// Standard output, with failures noticed. Throws WriteError.
+void print(std::string_view text);
+/// Standard error.
+void say(std::string_view text);
+
+}  // namespace bramah

@@ -1,0 +1,62 @@
+#include "app/progress.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+
+#include "app/context.hpp"
+#include "io/tables.hpp"
+
+namespace bramah {
+namespace {
+
+constexpr std::chrono::milliseconds kPatience(300), kInterval(100);
+constexpr int kBarWidth = 30;
+
+std::atomic<bool> interrupt_seen = false;  // a signal handler reaches nothing else
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+void note_interrupt(int) { interrupt_seen = true; }
+
+}  // namespace
+
+Progress::Progress(std::string label, bool allowed)
+    : label_(std::move(label)), enabled_(allowed && isatty(STDERR_FILENO) == 1), begin_(Clock::now()), last_(begin_) {}
+
+void Progress::show(double share, const std::string& words) {
+  if (!enabled_) return;
+  const Clock::time_point now = Clock::now();
+  if (now - begin_ < kPatience || now - last_ < kInterval) return;
+  last_ = now;
+  shown_ = true;
+  share = std::clamp(share, 0.0, 1.0);
+  const int full = static_cast<int>(share * kBarWidth);
+  std::string line = "\r" + label_ + " [";
+  for (int k = 0; k < kBarWidth; ++k) line += k < full ? '=' : ' ';
+  line += "] " + std::to_string(static_cast<int>(100.0 * share)) + " %";
+  if (!words.empty()) line += "  " + words;
+  const double elapsed = std::chrono::duration<double>(now - begin_).count();
+  if (share > 0.01) line += "  " + duration(elapsed * (1.0 - share) / share) + " left";
+  say(line + "\x1b[K");
+}
+
+void Progress::clear() {
+  if (shown_) say("\r\x1b[K");
+  shown_ = false;
+}
+
+InterruptGuard::InterruptGuard() {
+  interrupt_seen = false;
+  struct sigaction action = {};
+  action.sa_handler = note_interrupt;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
+}
+
+InterruptGuard::~InterruptGuard() { std::signal(SIGINT, SIG_DFL); }
+
+bool InterruptGuard::interrupted() { return interrupt_seen; }
+
+}  // namespace bramah

@@ -1,0 +1,40 @@
+// A bar on standard error for work that lasts, and Ctrl-C as a question rather than an end.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace bramah {
+
+/// Shows nothing where standard error is no terminal, where standard output would be mixed with it, or when the work is
+/// done within 0.3 s.
+class Progress {
+ public:
+  explicit Progress(std::string label, bool allowed = true);
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  ~Progress() { clear(); }
+
+  /// `share` of the work done, 0 ... 1, and a few words about where it stands.
+  void show(double share, const std::string& words);
+  /// Takes the bar off the screen.
+  void clear();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string label_;
+  bool enabled_, shown_ = false;
+  Clock::time_point begin_, last_;
+};
+
+/// While it lives, the first Ctrl-C is noted and the second one ends the program.
+class InterruptGuard {
+ public:
+  InterruptGuard();
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+  ~InterruptGuard();
+  [[nodiscard]] static bool interrupted();
+};
+
+}  // namespace bramah

@@ -1,0 +1,269 @@
+#include "app/results.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace bramah {
+namespace {
+
+std::string side_text(int side) { return side < 0 ? "-" : "+"; }
+
+template <class List, class Name>
+std::vector<std::string> names(const List& list, Name&& name) {
+  std::vector<std::string> result;
+  for (const auto& item : list) result.push_back(name(item));
+  return result;
+}
+std::vector<std::string> quantity_names(const std::vector<NamedQuantity>& list) {
+  return names(list, [](const NamedQuantity& q) { return q.name; });
+}
+std::vector<std::string> coordinate_names(const System& system, const std::vector<Index>& list) {
+  return names(list, [&](Index i) { return system.x[static_cast<std::size_t>(i)].name; });
+}
+
+/// Every number of the state with its name and unit: x, z and multipliers.
+template <class Visit>
+void each_value(const System& system, const State& state, Visit&& visit) {
+  for (std::size_t i = 0; i < system.x.size(); ++i) visit(system.x[i].name, system.x[i].unit, state.x[i]);
+  for (std::size_t i = 0; i < system.z.size(); ++i) visit(system.z[i].name, system.z[i].unit, state.z[i]);
+  for (std::size_t i = 0; i < state.lambda.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    visit(system.multiplier_name(row), system.multiplier_unit(row), state.lambda[i]);
+  }
+}
+
+void write_state(JsonWriter& json, const System& system, const State& state) {
+  json.key("variables").begin_object();
+  each_value(system, state, [&](const std::string& name, const std::string&, double value) { json.member(name, value); });
+  json.end_object();
+  json.key("inputs").begin_object();
+  for (std::size_t i = 0; i < system.inputs.size(); ++i) json.member(system.inputs[i].name, state.z[system.z.size() + i]);
+  json.end_object();
+}
+
+void write_free_directions(JsonWriter& json, const std::vector<FreeDirection>& directions) {
+  json.key("free_directions").begin_list();
+  for (const FreeDirection& direction : directions) {
+    json.begin_flat_object();
+    for (const auto& [name, share] : direction.variables) json.member(name, share);
+    json.end_object();
+  }
+  json.end_list();
+}
+
+}  // namespace
+
+std::string counted(std::size_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+Sizes sizes_of(const System& system, const Partition* partition) {
+  Sizes sizes{system.n(), system.m(), system.l(), system.nz() - system.spools(), system.spools(), 0};
+  if (partition == nullptr) return sizes;
+  sizes.redundant = static_cast<Index>(partition->redundant.size());
+  for (const RedundantRow& row : partition->redundant) sizes.redundant_states += row.row < system.m() ? 2 : 1;
+  return sizes;
+}
+
+void write_sizes(JsonWriter& json, const Sizes& s) {
+  json.key("sizes").begin_flat_object();
+  json.member("n", s.n).member("m", s.m).member("l", s.l).member("r", s.r).member("u", s.u);
+  json.member("redundant", s.redundant).member("reduced", s.reduced()).member("augmented", s.augmented()).end_object();
+}
+
+Table sizes_table(const Sizes& s) {
+  const auto row = [](const char* letter, Index count, const char* meaning) {
+    return std::vector<std::string>{letter, std::to_string(count), meaning};
+  };
+  return {{},
+          {row("n", s.n, "coordinates"), row("m", s.m, "holonomic constraint rows"), row("l", s.l, "nonholonomic constraint rows"),
+           row("redundant", s.redundant, "rows that follow from the others"), row("r", s.r, "first-order variables (pressures, ...)"),
+           row("u", s.u, "spools"), row("reduced", s.reduced(), "states of the smallest linear model, 2n - 2m - l + r + u without redundant rows"),
+           row("augmented", s.augmented(), "states without the reduction, 2n + r + u")},
+          "lr"};
+}
+
+std::string equilibrium_document(const System& system, const Equilibrium& equilibrium) {
+  JsonWriter json;
+  json.begin_object();
+  write_state(json, system, equilibrium.state);
+  write_free_directions(json, equilibrium.free_directions);
+  json.key("units").begin_object();
+  each_value(system, equilibrium.state, [&](const std::string& name, const std::string& unit, double) { json.member(name, unit); });
+  for (const InputSignal& input : system.inputs) json.member(input.name, input.unit);
+  json.end_object();
+  json.member("time", equilibrium.state.t).member("iterations", equilibrium.iterations).member("residual", equilibrium.residual);
+  json.end_object();
+  return json.take();
+}
+
+Table variables_table(const System& system, const State& state) {
+  Table table{{"variable", "value", "unit"}, {}, "lr"};
+  for (std::size_t i = 0; i < system.x.size(); ++i) table.rows.push_back({system.x[i].name, short_number(state.x[i], 10), system.x[i].unit});
+  for (std::size_t i = 0; i < system.z.size(); ++i) table.rows.push_back({system.z[i].name, short_number(state.z[i], 10), system.z[i].unit});
+  return table;
+}
+
+Table multipliers_table(const System& system, const State& state) {
+  Table table{{"multiplier", "value", "unit"}, {}, "lr"};
+  for (std::size_t i = 0; i < state.lambda.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    table.rows.push_back({system.multiplier_name(row), short_number(state.lambda[i], 8), system.multiplier_unit(row)});
+  }
+  return table;
+}
+
+std::string free_directions_text(const std::vector<FreeDirection>& directions) {
+  if (directions.empty()) return "";
+  std::string out = "Free directions, along which the equilibrium stays one (\"hold\" a variable of each to choose):\n";
+  for (const FreeDirection& direction : directions) {
+    std::string line;
+    for (const auto& [name, share] : direction.variables) line += (line.empty() ? "  " : ", ") + name + " " + short_number(share, 3);
+    out += line + '\n';
+  }
+  return out;
+}
+
+void write_matrix(JsonWriter& json, std::string_view name, const Eigen::MatrixXd& matrix) {
+  json.key(name).begin_list();
+  std::vector<double> row(static_cast<std::size_t>(matrix.cols()));
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row[static_cast<std::size_t>(j)] = matrix(i, j);
+    json.values(row);
+  }
+  json.end_list();
+}
+
+std::string linear_document(const System& system, const Linearization& linear) {
+  const LinearModel& model = linear.model;
+  JsonWriter json;
+  json.begin_object();
+  write_sizes(json, sizes_of(system, &linear.partition));
+  json.key("states").values(quantity_names(model.states));
+  json.key("inputs").values(quantity_names(model.inputs));
+  json.key("outputs").values(quantity_names(model.outputs));
+  write_matrix(json, "A", model.A);
+  write_matrix(json, "B", model.B);
+  write_matrix(json, "C", model.C);
+  write_matrix(json, "D", model.D);
+  json.key("units").begin_object();
+  for (const auto* list : {&model.states, &model.inputs, &model.outputs}) {
+    for (const NamedQuantity& q : *list) {
+      const bool is_output_and_state = list == &model.outputs && std::any_of(model.states.begin(), model.states.end(), [&](const NamedQuantity& s) { return s.name == q.name; });
+      if (!is_output_and_state) json.member(q.name, q.unit);
+    }
+  }
+  json.end_object();
+  json.key("partition").begin_object();
+  json.key("independent").values(coordinate_names(system, linear.partition.ai));
+  json.key("admissible_dependent").values(coordinate_names(system, linear.partition.ad));
+  json.key("dependent").values(coordinate_names(system, linear.partition.d));
+  json.end_object();
+  json.key("redundant_rows").begin_list();
+  for (const RedundantRow& row : linear.partition.redundant) {
+    json.begin_flat_object().member("row", system.constraint(row.row).name).key("follows_from").begin_object();
+    for (const auto& [other, coefficient] : row.follows_from) json.member(system.constraint(other).name, coefficient);
+    json.end_object().end_object();
+  }
+  json.end_list();
+  json.key("kinks").begin_list();
+  for (const KinkTaken& kink : model.kinks) {
+    json.begin_flat_object().member("component", kink.component).member("name", kink.name).member("side", side_text(kink.side)).end_object();
+  }
+  json.end_list();
+  json.key("at").begin_object();
+  json.member("kind", linear.at_equilibrium ? "equilibrium" : "start").member("time", linear.state.t).member("side", side_text(linear.state.side));
+  write_state(json, system, linear.state);
+  json.key("rates").begin_object();
+  for (std::size_t i = 0; i < system.x.size(); ++i) json.member(system.x[i].name, linear.state.v[i]);
+  for (std::size_t i = 0; i < system.z.size(); ++i) json.member(system.z[i].name, linear.state.zdot[i]);
+  json.end_object();
+  write_free_directions(json, linear.free_directions);
+  json.end_object().end_object();
+  return json.take();
+}
+
+std::string linear_notes(const System& system, const Linearization& linear) {
+  std::string out;
+  if (!linear.at_equilibrium) {
+    out += "Linearized at the start state, which need not be an equilibrium: the model holds for short times.\n";
+  }
+  if (!linear.partition.redundant.empty()) {
+    out += "Redundant constraint rows, left out:\n";
+    for (const RedundantRow& row : linear.partition.redundant) {
+      std::string line;
+      for (const auto& [other, coefficient] : row.follows_from) line += (line.empty() ? "" : ", ") + system.constraint(other).name;
+      out += "  " + system.constraint(row.row).name + (line.empty() ? ", which constrains nothing" : " follows from " + line) + '\n';
+    }
+  }
+  if (!linear.model.kinks.empty()) {
+    out += "Laws with a kink at this state; derivatives are those of side " + side_text(linear.model.kinks.front().side) + ":\n";
+    for (const KinkTaken& kink : linear.model.kinks) out += "  " + kink.component + ": " + kink.name + '\n';
+  }
+  return out;
+}
+
+std::string complex_text(std::complex<double> value, int digits) {
+  std::string text = short_number(value.real(), digits);
+  if (value.imag() != 0.0) text += (value.imag() < 0.0 ? " - " : " + ") + short_number(std::abs(value.imag()), digits) + "i";
+  return text;
+}
+
+void write_eigenvalues(JsonWriter& json, std::string_view name, const std::vector<std::complex<double>>& eigenvalues) {
+  json.key(name).begin_list();
+  for (const std::complex<double>& value : eigenvalues) {
+    json.begin_flat_object().member("re", value.real()).member("im", value.imag()).end_object();
+  }
+  json.end_list();
+}
+
+std::string spectrum_document(const LinearModel& model, const Spectrum& spectrum) {
+  JsonWriter json;
+  json.begin_object();
+  json.key("states").values(quantity_names(model.states));
+  json.key("eigenvalues").begin_list();
+  for (const Mode& mode : spectrum.modes) {
+    const double magnitude = std::abs(mode.eigenvalue);
+    json.begin_flat_object().member("re", mode.eigenvalue.real()).member("im", mode.eigenvalue.imag());
+    json.member("zero", mode.zero).member("cause", mode.cause);
+    json.member("damping_ratio", mode.zero ? NAN : -mode.eigenvalue.real() / magnitude);
+    json.member("frequency_hz", mode.zero ? 0.0 : std::abs(mode.eigenvalue.imag()) / (2.0 * std::numbers::pi));
+    json.member("condition", mode.condition).end_object();
+  }
+  json.end_list();
+  json.key("mode_shapes").begin_list();
+  for (Eigen::Index k = 0; k < spectrum.right.cols(); ++k) {
+    json.begin_object();
+    for (Eigen::Index i = 0; i < spectrum.right.rows(); ++i) {
+      const std::complex<double> share = spectrum.right(i, k);
+      json.key(model.states[static_cast<std::size_t>(i)].name).values(std::vector<double>{share.real(), share.imag()});
+    }
+    json.end_object();
+  }
+  json.end_list().end_object();
+  return json.take();
+}
+
+Table spectrum_table(const LinearModel& model, const Spectrum& spectrum) {
+  Table table{{"eigenvalue (1/s)", "damping", "frequency", "condition", "moves most"}, {}, "lrrrl"};
+  for (std::size_t k = 0; k < spectrum.modes.size(); ++k) {
+    const Mode& mode = spectrum.modes[k];
+    // Shares in nominals: SI would let every pressure win.
+    Eigen::Index largest = 0;
+    Eigen::VectorXd share = spectrum.right.col(static_cast<Eigen::Index>(k)).cwiseAbs();
+    for (Eigen::Index i = 0; i < share.size(); ++i) share(i) /= model.states[static_cast<std::size_t>(i)].nominal;
+    share.maxCoeff(&largest);
+    const double hertz = std::abs(mode.eigenvalue.imag()) / (2.0 * std::numbers::pi);
+    const std::string condition = short_number(mode.condition, 2);
+    if (mode.zero) {
+      table.rows.push_back({"0", "", "", condition, mode.cause});
+    } else {
+      table.rows.push_back({complex_text(mode.eigenvalue, 15), short_number(-mode.eigenvalue.real() / std::abs(mode.eigenvalue), 4),
+                            hertz > 0.0 ? short_number(hertz, 5) + " Hz" : "", condition, model.states[static_cast<std::size_t>(largest)].name});
+    }
+  }
+  return table;
+}
+
+}  // namespace bramah

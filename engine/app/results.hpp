@@ -1,0 +1,45 @@
+// Results as JSON documents, for scripts, and as tables, for people.
+#pragma once
+
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "app/context.hpp"
+#include "io/json_writer.hpp"
+#include "io/tables.hpp"
+#include "linear/spectrum.hpp"
+
+namespace bramah {
+
+/// Counts of variables and rows, in the paper's letters.
+struct Sizes {
+  Index n = 0, m = 0, l = 0, r = 0, u = 0, redundant = 0;
+  [[nodiscard]] Index augmented() const { return 2 * n + r + u; }
+  [[nodiscard]] Index reduced() const { return 2 * n - 2 * m - l + r + u + redundant_states; }
+  Index redundant_states = 0;  // states that redundant rows do not remove: 2 a holonomic one, 1 a nonholonomic one
+};
+Sizes sizes_of(const System& system, const Partition* partition);
+void write_sizes(JsonWriter& json, const Sizes& sizes);
+Table sizes_table(const Sizes& sizes);
+
+std::string equilibrium_document(const System& system, const Equilibrium& equilibrium);
+/// Variables, or multipliers, with value and unit.
+Table variables_table(const System& system, const State& state);
+Table multipliers_table(const System& system, const State& state);
+std::string free_directions_text(const std::vector<FreeDirection>& directions);
+
+std::string linear_document(const System& system, const Linearization& linear);
+/// Notes on redundant rows and one-sided derivatives; empty where there are none.
+std::string linear_notes(const System& system, const Linearization& linear);
+
+std::string spectrum_document(const LinearModel& model, const Spectrum& spectrum);
+Table spectrum_table(const LinearModel& model, const Spectrum& spectrum);
+
+void write_matrix(JsonWriter& json, std::string_view name, const Eigen::MatrixXd& matrix);
+void write_eigenvalues(JsonWriter& json, std::string_view name, const std::vector<std::complex<double>>& eigenvalues);
+std::string complex_text(std::complex<double> value, int digits);
+/// "1 hinge row", "3 hinge rows".
+std::string counted(std::size_t count, const std::string& noun);
+
+}  // namespace bramah

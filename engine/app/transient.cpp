@@ -1,0 +1,77 @@
+#include "app/transient.hpp"
+
+#include "app/progress.hpp"
+#include "app/results.hpp"
+#include "solve/start.hpp"
+#include "system/measure.hpp"
+
+namespace bramah {
+
+Transient run_transient(const Context& context, const SimulateOptions& options, const State* start, bool show_progress, const Sink& sink) {
+  const System& system = context.system();
+  Transient result;
+  State own_start;
+  if (start == nullptr) {
+    own_start = reference_state(system, context.options(), options.from == SimulateOptions::From::equilibrium, options.from_time);
+    start = &own_start;
+  }
+  Blocks blocks(system);
+  Progress progress("simulate", show_progress);
+  const InterruptGuard guard;
+  Observer observer;
+  observer.output = [&](const State& state) {
+    measure(system, state, context.options().outputs, blocks, result.final_values);
+    result.last_time = state.t;
+    sink(state, result.final_values);
+  };
+  const double length = options.to_time - options.from_time;
+  observer.progress = [&](double time, double step) {
+    progress.show((time - options.from_time) / length, "t = " + short_number(time, 4) + " s, step " + duration(step));
+    return !InterruptGuard::interrupted();
+  };
+  result.simulation = simulate(system, options, *start, observer);
+  result.interrupted = result.simulation.stopped;
+  return result;
+}
+
+std::string csv_header(const std::vector<Measured>& outputs) {
+  std::string line = "time";
+  for (const Measured& output : outputs) line += ',' + output.name;
+  return line + '\n';
+}
+
+std::string csv_row(double time, std::span<const double> values) {
+  std::string line = exact_number(time);
+  for (const double value : values) line += ',' + exact_number(value);
+  return line + '\n';
+}
+
+Table statistics_table(const Transient& transient) {
+  const SimulationStatistics& s = transient.simulation.statistics;
+  Table table{{}, {}, "ll"};
+  const auto row = [&](const char* name, std::string value) { table.rows.push_back({name, std::move(value)}); };
+  row("simulated to", short_number(transient.simulation.last.t, 10) + " s" + (transient.interrupted ? ", interrupted" : ""));
+  row("steps", std::to_string(s.steps) + " (" + counted(static_cast<std::size_t>(s.restarts), "restart") + ", " +
+                   counted(static_cast<std::size_t>(s.error_test_failures), "failed error test") + ", " +
+                   counted(static_cast<std::size_t>(s.convergence_failures), "failed Newton iteration") + ")");
+  row("Newton iterations", std::to_string(s.newton_iterations));
+  row("Jacobians", std::to_string(s.jacobians));
+  const auto violation = [](double value, const std::string& name) { return short_number(value, 2) + (name.empty() ? "" : " in " + name); };
+  row("worst constraint violation", violation(s.worst_position, s.worst_position_row));
+  row("worst violation of rates", violation(s.worst_velocity, s.worst_velocity_row));
+  row("time", duration(s.seconds));
+  return table;
+}
+
+void write_statistics(JsonWriter& json, const Transient& transient) {
+  const SimulationStatistics& s = transient.simulation.statistics;
+  json.member("reached_time", transient.simulation.last.t).member("interrupted", transient.interrupted);
+  json.member("steps", s.steps).member("restarts", s.restarts).member("newton_iterations", s.newton_iterations);
+  json.member("residuals", s.residuals).member("jacobians", s.jacobians);
+  json.member("error_test_failures", s.error_test_failures).member("convergence_failures", s.convergence_failures);
+  json.member("worst_position_violation", s.worst_position).member("worst_position_row", s.worst_position_row);
+  json.member("worst_velocity_violation", s.worst_velocity).member("worst_velocity_row", s.worst_velocity_row);
+  json.member("time_s", s.seconds);
+}
+
+}  // namespace bramah

@@ -1,0 +1,37 @@
+// A simulation with its outputs by name: what `simulate` and `study` share.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/context.hpp"
+#include "io/tables.hpp"
+#include "solve/simulate.hpp"
+
+namespace bramah {
+
+/// Called with every output state and the values of the scene's outputs there.
+using Sink = std::function<void(const State& state, const Vector& values)>;
+
+struct Transient {
+  Simulation simulation;
+  Vector final_values;     // of the scene's outputs, at the last output
+  double last_time = 0.0;  // of the last output
+  bool interrupted = false;
+};
+
+/// Simulates from what the scene's "simulate" says; `start` replaces it. Ctrl-C stops after the current step.
+Transient run_transient(const Context& context, const SimulateOptions& options, const State* start, bool show_progress, const Sink& sink);
+
+/// `time,NAME,...` and rows below it.
+std::string csv_header(const std::vector<Measured>& outputs);
+std::string csv_row(double time, std::span<const double> values);
+
+Table statistics_table(const Transient& transient);
+/// Members of an open object.
+void write_statistics(class JsonWriter& json, const Transient& transient);
+
+}  // namespace bramah

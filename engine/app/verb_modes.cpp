@@ -1,0 +1,37 @@
+#include "app/context.hpp"
+#include "app/failure.hpp"
+#include "app/results.hpp"
+#include "app/verbs.hpp"
+
+namespace bramah {
+namespace {
+
+int run(const Arguments& arguments) {
+  const Context context = load(arguments);
+  const Linearization linear = linearize(context);
+  const Spectrum spectrum = find_spectrum(linear.model);
+  std::string out = as_text(spectrum_table(linear.model, spectrum));
+  const std::string notes = linear_notes(context.system(), linear);
+  if (!notes.empty()) out += '\n' + notes;
+  deliver(arguments, "spectrum.json", spectrum_document(linear.model, spectrum), out);
+  return exit_ok;
+}
+
+}  // namespace
+
+constinit const Verb verb_modes = {
+    "modes", "SCENE", "eigenvalues of the linear model, with the cause of every zero",
+    R"(Linearizes as `bramah linearize` and prints the eigenvalues, most dangerous first, zeros last: damping ratio, frequency,
+condition number (how many times rounding is magnified) and the state that moves most. A zero is called zero within its
+own rounding, never by an absolute limit, and its cause is named.
+
+Examples
+  bramah modes scenes/four_bar/overdamped.json
+  bramah modes scenes/four_bar/overdamped.json --set "seal.F_c=21 N" --set "seal.F_s=83 N" --set seal.sigma_2=33
+
+--json prints {"states": [...], "eigenvalues": [{"re", "im", "zero", "cause", "damping_ratio", "frequency_hz",
+"condition"}], "mode_shapes": [{STATE: [re, im]}]}
+)",
+    run};
+
+}  // namespace bramah

@@ -1,0 +1,24 @@
+// The verbs of the program: one file each.
+#pragma once
+
+#include <span>
+
+#include "app/arguments.hpp"
+
+namespace bramah {
+
+struct Verb {
+  const char* name;
+  const char* argument;  // "SCENE", "TYPE", or "" where there is none
+  const char* brief;     // for the list of verbs
+  const char* help;      // what it does, an example, what it prints
+  int (*run)(const Arguments& arguments);  // the exit code
+};
+
+extern const Verb verb_check, verb_list, verb_describe, verb_equilibrium, verb_simulate, verb_linearize, verb_modes,
+    verb_compare, verb_study;
+
+/// In the order in which a newcomer needs them.
+std::span<const Verb* const> all_verbs();
+
+}  // namespace bramah

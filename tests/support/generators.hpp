@@ -1,0 +1,52 @@
+// Scenes made in code: families with a size, shared by tests and benchmarks.
+//
+// Rods are slender, 1 m and 1 kg, bodies at their centres of mass, gravity 9.81 m/s^2. Bodies are called link_1, link_2,
+// ..., joints joint_1, ..., joint i holding link i. Every scene starts assembled.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "system/compile.hpp"
+#include "system/scene.hpp"
+
+namespace bramah::support {
+
+inline constexpr double rod_length = 1.0, rod_mass = 1.0, gravity = 9.81;
+inline constexpr double rod_inertia = rod_mass * rod_length * rod_length / 12.0;
+
+/// Angle of joint 1, 2, ...: rotation of a link against the one before it, 0 for a chain that hangs.
+using Shape = std::function<double(int joint)>;
+double hanging(int joint);
+/// A chain bent by up to `amplitude` at every joint, without regularity.
+Shape bent(double amplitude);
+
+/// scenes/four_bar/overdamped.json.
+Scene four_bar_scene();
+
+/// Links that hang from the ground by planar revolutes; n = 3 links, m = 2 links.
+Scene planar_chain(int links, const Shape& shape = hanging);
+
+/// Which way the axes of a spatial chain point: all along y, so that it moves in a plane, or along y and x in turn.
+enum class Axes { parallel, alternating };
+/// The same of rigid bodies with Euler parameters, hanging along -z; n = 7 links, m = 6 links.
+Scene spatial_chain(int links, Axes axes = Axes::alternating, const Shape& shape = hanging);
+
+/// A planar chain with a cylinder, its two volumes and a throttle between them across joints 1, 1 + every, 1 + 2 every ...
+/// The rod-side pressures are held.
+Scene hydraulic_chain(int links, int every, const Shape& shape = hanging);
+
+/// `loops` four-bars side by side: loops + 1 upright rods on the ground, a rod across each neighbouring pair, 1 m/s at
+/// the upper end of every upright; one degree of freedom, singular where the uprights lie down.
+Scene four_bar_ladder(int loops);
+
+/// The scene as a file would hold it.
+std::string scene_text(const Scene& scene);
+
+/// A registry that the scenes of this process share.
+std::shared_ptr<Registry> shared_registry();
+/// Compiles with the shared registry.
+Compiled compiled(const Scene& scene);
+
+}  // namespace bramah::support
