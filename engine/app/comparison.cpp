@@ -70,7 +70,9 @@ void write_contender(JsonWriter& json, const Contender& contender) {
   json.member("looks_unstable", contender.looks_unstable);
   write_eigenvalues(json, "eigenvalues", contender.eigenvalues);
   json.key("errors").values(contender.errors);
-  json.member("false_zeros", contender.false_zeros).member("largest_false_zero", contender.largest_false_zero);
+  json.key("false_zeros");
+  contender.failure.empty() ? json.value(contender.false_zeros) : json.null();
+  json.member("largest_false_zero", contender.largest_false_zero);
   json.member("largest_real_part_of_false_zeros", contender.largest_real_part).member("time_s", contender.seconds);
 }
 

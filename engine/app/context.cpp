@@ -11,6 +11,13 @@
 #include "solve/start.hpp"
 
 namespace bramah {
+namespace {
+
+[[noreturn]] void fail_to_print() {
+  throw WriteError("standard output", std::string("cannot be written: ") + std::strerror(errno), "make room, or send the output elsewhere");
+}
+
+}  // namespace
 
 Context load(const Arguments& arguments) {
   Source source{arguments.subject, ""};
@@ -43,8 +50,11 @@ Linearization linearize(const Context& context) {
 }
 
 void print(std::string_view text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) return;
-  throw WriteError("standard output", std::strerror(errno), "make room, or send the output elsewhere");
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) fail_to_print();
+}
+
+void finish_printing() {
+  if (std::fflush(stdout) != 0) fail_to_print();
 }
 
 void say(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); }

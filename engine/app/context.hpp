@@ -39,8 +39,9 @@ Linearization linearize(const Context& context);
 /// the text without.
 void deliver(const Arguments& arguments, std::string_view file, const std::string& document, const std::string& text);
 
-/// Standard output, with failures noticed. Throws WriteError.
+/// Standard output, with failures noticed at the latest by finish_printing. Both throw WriteError.
 void print(std::string_view text);
+void finish_printing();
 /// Standard error.
 void say(std::string_view text);
 

@@ -1,6 +1,9 @@
+#include <algorithm>
 #include <array>
 #include <cstdio>
+#include <numeric>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "io/json_scanner.hpp"
@@ -131,9 +134,16 @@ Place locate(const Source& source, const Diagnostic& diagnostic) {
 std::string render(const Source& source, const SceneError& error) {
   const std::vector<Diagnostic>& diagnostics = error.diagnostics();
   const std::vector<Place> where = locate_all(source.text, diagnostics);
+  std::vector<std::size_t> order(diagnostics.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(where[a].line, where[a].column) < std::pair(where[b].line, where[b].column);
+  });
   std::string text;
-  for (std::size_t i = 0; i < diagnostics.size(); ++i) text += block(source, diagnostics[i], where[i]);
+  for (const std::size_t i : order) text += block(source, diagnostics[i], where[i]);
   return text;
 }
+
+std::string render(const Source& source, const AnalysisError& error) { return render(source, SceneError(error.diagnostic())); }
 
 }  // namespace bramah

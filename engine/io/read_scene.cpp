@@ -169,11 +169,14 @@ void check_shape(const Value& root, Faults& faults) {
   for (const Member& component : *components->object()) check_component(component, faults);
 }
 
-Scene scene_from(Source source) {
+Scene scene_from(Source source, Faults* of_shape) {
   Scene scene{Value{}, std::move(source)};
   Faults faults;
-  if (parse_json(scene.source.text, scene.root, faults)) check_shape(scene.root, faults);
-  if (!faults.empty()) throw SceneError(std::move(faults));
+  const bool is_whole = parse_json(scene.source.text, scene.root, faults);
+  if (is_whole) check_shape(scene.root, faults);
+  if (faults.empty()) return scene;
+  if (of_shape == nullptr || !is_whole || scene.root.object() == nullptr) throw SceneError(std::move(faults));
+  of_shape->insert(of_shape->end(), faults.begin(), faults.end());
   return scene;
 }
 
@@ -238,11 +241,11 @@ Source read_source(const std::filesystem::path& file) {
   return {file.string(), contents(file, size)};
 }
 
-Scene read_scene(const std::filesystem::path& file) { return scene_from(read_source(file)); }
+Scene read_scene(const std::filesystem::path& file) { return scene_from(read_source(file), nullptr); }
 
-Scene read_scene_text(std::string_view text, std::string_view name) {
+Scene read_scene_text(std::string_view text, std::string_view name, std::vector<Diagnostic>* of_shape) {
   if (text.size() > kLargest) refuse_size(text.size());
-  return scene_from({std::string(name), std::string(text)});
+  return scene_from({std::string(name), std::string(text)}, of_shape);
 }
 
 }  // namespace bramah

@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "system/analysis_error.hpp"
 #include "system/diagnostic.hpp"
 #include "system/scene.hpp"
 
@@ -18,8 +20,9 @@ Scene read_scene(const std::filesystem::path& file);
 /// SceneError where there is no readable file of at most 1 GiB.
 Source read_source(const std::filesystem::path& file);
 
-/// The same from text; `name` stands for the file in messages.
-Scene read_scene_text(std::string_view text, std::string_view name);
+/// The same from text; `name` stands for the file in messages. With `of_shape`, faults that leave the scene readable (an
+/// unknown key, a missing version) go there, so that `compile` can report them with its own: all in one go.
+Scene read_scene_text(std::string_view text, std::string_view name, std::vector<Diagnostic>* of_shape = nullptr);
 
 /// 1-based line and column (in characters, not bytes).
 struct Place {
@@ -34,7 +37,10 @@ Place locate(const Source& source, const Diagnostic& diagnostic);
 ///     at        /components/hose2/volum
 ///     expected  one of: volume, V_h, B_h, B_oil
 ///     to do     did you mean "volume"?
-/// The place is left out for faults of the document as a whole and for scenes without text; empty lines are left out.
+/// In the order of their places. The place is left out for faults of the document as a whole and for scenes without text;
+/// empty lines are left out.
 std::string render(const Source& source, const SceneError& error);
+/// The same for an analysis without an answer; the place is that of the component or key to look at.
+std::string render(const Source& source, const AnalysisError& error);
 
 }  // namespace bramah

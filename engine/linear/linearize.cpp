@@ -90,18 +90,21 @@ Linearizer::Linearizer(const System& system, Partition partition, std::vector<Me
     y_response_ = SparsePlan(system, system.ny(), n + rows + nz, response);
   }
 
-  const auto coordinate = [&](Index i) -> const Variable& { return system.x[static_cast<std::size_t>(i)]; };
-  for (const Index i : partition_.ai) reduced_states_.push_back({coordinate(i).name, coordinate(i).unit, coordinate(i).nominal});
-  for (const Index i : partition_.ai) reduced_states_.push_back({coordinate(i).name + ".rate", per_second(coordinate(i).unit), coordinate(i).nominal});
-  for (const Index i : partition_.ad) reduced_states_.push_back({coordinate(i).name, coordinate(i).unit, coordinate(i).nominal});
-  for (const Variable& q : system.x) augmented_states_.push_back({q.name, q.unit, q.nominal});
-  for (const Variable& q : system.x) augmented_states_.push_back({q.name + ".rate", per_second(q.unit), q.nominal});
-  for (const Variable& z : system.z) {
-    reduced_states_.push_back({z.name, z.unit, z.nominal});
-    augmented_states_.push_back({z.name, z.unit, z.nominal});
+  const auto add = [](std::vector<NamedQuantity>& list, const Variable& q, const char* kind) {
+    const bool rate = kind[0] == 'v';
+    list.push_back({q.name + (rate ? ".rate" : ""), rate ? per_second(q.unit) : q.unit, q.nominal, kind});
+  };
+  for (const Index i : partition_.ai) add(reduced_states_, system.x[static_cast<std::size_t>(i)], "x_ai");
+  for (const Index i : partition_.ai) add(reduced_states_, system.x[static_cast<std::size_t>(i)], "v_ai");
+  for (const Index i : partition_.ad) add(reduced_states_, system.x[static_cast<std::size_t>(i)], "x_ad");
+  for (const Variable& q : system.x) add(augmented_states_, q, "x");
+  for (const Variable& q : system.x) add(augmented_states_, q, "v");
+  for (const Variable& q : system.z) {
+    reduced_states_.push_back({q.name, q.unit, q.nominal, q.kind});
+    augmented_states_.push_back({q.name, q.unit, q.nominal, q.kind});
   }
-  for (const InputSignal& input : system.inputs) input_names_.push_back({input.name, input.unit, 1.0});
-  for (const Measured& y : outputs_) output_names_.push_back({y.name, y.unit, 1.0});
+  for (const InputSignal& input : system.inputs) input_names_.push_back({input.name, input.unit});
+  for (const Measured& y : outputs_) output_names_.push_back({y.name, y.unit});
 }
 
 void Linearizer::evaluate(const State& state) {

@@ -19,6 +19,7 @@ namespace bramah {
 struct NamedQuantity {
   std::string name, unit;
   double nominal = 1.0;
+  std::string kind = {};  // of states: "x_ai", "v_ai", "x_ad", or the kind of first-order variable ("pressure", "spool")
 };
 
 /// A switching function at zero: the derivatives there are one-sided.

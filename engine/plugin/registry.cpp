@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdlib>
 #include <set>
 #include <sstream>
+#include <utility>
 
 namespace bramah {
 namespace {
@@ -36,13 +38,81 @@ bool valid_name(std::string_view name) {
   });
 }
 
+bool all_said(std::initializer_list<const char*> texts) {
+  return std::none_of(texts.begin(), texts.end(), [](const char* t) { return t == nullptr; });
+}
+
+/// What is wrong with one parameter, or "".
+std::string defect(const bramah_parameter_info& info) {
+  if (!all_said({info.doc, info.unit})) return "has no doc or no unit (\"\" will do)";
+  if (info.kind < BRAMAH_NUMBER || info.kind > BRAMAH_TEXT) return "is of no known kind";
+  if (!(info.lower <= info.upper)) return "has a lower limit above the upper one";
+  if (info.kind == BRAMAH_VECTOR && info.count < 1) return "is a vector of no numbers";
+  if (info.kind == BRAMAH_CHOICE && (info.choices == nullptr || info.choices[0] == nullptr)) return "has no choices";
+  if (info.required != 0 || info.kind == BRAMAH_TEXT) return "";
+  if (info.kind == BRAMAH_CHOICE && info.default_text != nullptr) {
+    for (const char* const* word = info.choices; *word != nullptr; ++word) {
+      if (text(*word) == info.default_text) return "";
+    }
+    return "has a default that is none of its choices";
+  }
+  const std::int64_t wanted = info.kind == BRAMAH_VECTOR ? info.count : info.kind == BRAMAH_LIST ? info.default_count : 1;
+  if (info.default_count != wanted || wanted < 0 || (wanted > 0 && info.default_numbers == nullptr)) {
+    return "has a default of " + std::to_string(info.default_count) + " numbers, not " + std::to_string(wanted);
+  }
+  if (info.kind != BRAMAH_CHOICE) return "";
+  std::int64_t choices = 0;
+  while (info.choices[choices] != nullptr) ++choices;
+  const double chosen = info.default_numbers[0];
+  return chosen >= 0.0 && chosen < static_cast<double>(choices) ? "" : "has a default that is none of its choices";
+}
+
+/// What is wrong with one terminal, or ""; `own` are the type's own variables by family.
+std::string defect(const bramah_type& type, const bramah_terminal_info& terminal, const int (&own)[3]) {
+  if (!all_said({terminal.doc, terminal.kind, terminal.unit})) return "has no doc, kind or unit (\"\" will do for a unit)";
+  if (terminal.family < BRAMAH_X || terminal.family > BRAMAH_U || terminal.slots < 1 || terminal.first < 0) return "has no family or slots";
+  switch (terminal.source) {
+    case BRAMAH_OWN:
+      if (terminal.family > BRAMAH_Z || terminal.first + terminal.slots > own[terminal.family]) return "shows variables that it does not have";
+      return "";
+    case BRAMAH_CONSTANT: {
+      const auto* constants = extension<bramah_constants>(type, BRAMAH_EXTENSION_CONSTANTS);
+      if (constants == nullptr || constants->values == nullptr) return "needs a function `constants`";
+      if (terminal.first + terminal.slots > constants->count) return "shows constants that it does not have";
+      return "";
+    }
+    case BRAMAH_SIGNAL: {
+      const auto* signal = extension<bramah_signal>(type, BRAMAH_EXTENSION_SIGNAL);
+      if (signal == nullptr || signal->value == nullptr || signal->next_breakpoint == nullptr) {
+        return "needs functions `signal` and `next_breakpoint`";
+      }
+      return terminal.slots == 1 ? "" : "is a signal of several slots";
+    }
+    default: return "comes from no known source";
+  }
+}
+
+/// Names of one kind, told apart; a fault of the first that is missing or repeated goes to `fault`.
+template <class Info>
+void collect(const char* what, const Info* list, std::int32_t count, std::set<std::string>& names, std::string& fault) {
+  if (fault.empty() && (count < 0 || (count > 0 && list == nullptr))) fault = std::string("its list of ") + what + "s is missing";
+  for (std::int32_t i = 0; fault.empty() && i < count; ++i) {
+    if (text(list[i].name).empty()) {
+      fault = std::string("a ") + what + " has no name";
+    } else if (!names.insert(text(list[i].name)).second) {
+      fault = std::string(what) + " \"" + text(list[i].name) + "\" is declared twice";
+    }
+  }
+}
+
 /// Why a table cannot be used, or "".
 std::string defect(const bramah_type& type, std::string_view library) {
-  const std::string name = text(type.name);
   if (type.size < type_size_of_epoch) return "its description is shorter than this epoch's";
+  const std::string name = text(type.name);
   if (name.substr(0, name.find('/')) != library || name.find('/') == std::string::npos) {
     return "its name does not begin with \"" + std::string(library) + "/\"";
   }
+  if (type.doc == nullptr) return "it has no doc";
   if (type.evaluate == nullptr || type.configure == nullptr || type.structure == nullptr) {
     return "configure, structure or evaluate is missing";
   }
@@ -50,45 +120,76 @@ std::string defect(const bramah_type& type, std::string_view library) {
       type.instance_bytes % type.instance_align != 0) {
     return "instance size or alignment is impossible";
   }
+  // One name stands for one thing wherever a scene may write it.
+  std::string fault;
+  std::set<std::string> keys = {"type"}, variables, terminals;
+  collect("parameter", type.parameters, type.parameter_count, keys, fault);
+  collect("port", type.ports, type.port_count, keys, fault);
+  collect("variable", type.variables, type.variable_count, variables, fault);
+  collect("output", type.outputs, type.output_count, variables, fault);
+  collect("terminal", type.terminals, type.terminal_count, terminals, fault);
+  std::set<std::string> rows;
+  collect("constraint", type.holonomic, type.holonomic_count, rows, fault);
+  collect("constraint", type.nonholonomic, type.nonholonomic_count, rows, fault);
+  if (!fault.empty()) return fault;
+
+  for (std::int32_t i = 0; i < type.parameter_count; ++i) {
+    fault = defect(type.parameters[i]);
+    if (!fault.empty()) return "parameter \"" + text(type.parameters[i].name) + "\" " + fault;
+  }
   int slots[3] = {};
   for (std::int32_t i = 0; i < type.port_count; ++i) {
     const bramah_port_info& port = type.ports[i];
-    if (port.family < 0 || port.family > 2 || port.slots < 1) return "port \"" + text(port.name) + "\" has no family or slots";
-    if (port.required == 0 && port.rest == nullptr) return "optional port \"" + text(port.name) + "\" has no rest values";
+    const std::string who = "port \"" + text(port.name) + "\" ";
+    if (!all_said({port.doc, port.kind, port.unit})) return who + "has no doc, kind or unit (\"\" will do for a unit)";
+    if (port.family < 0 || port.family > 2 || port.slots < 1) return who + "has no family or slots";
+    if (port.required == 0 && port.rest == nullptr) return who + "is optional and has no rest values";
     slots[port.family] += port.slots;
   }
   int own[3] = {};
-  std::set<std::string> names;
   for (std::int32_t i = 0; i < type.variable_count; ++i) {
     const bramah_variable_info& variable = type.variables[i];
-    if (variable.family < 0 || variable.family > 1) return "variable \"" + text(variable.name) + "\" has no family";
-    if (!(variable.nominal > 0.0)) return "variable \"" + text(variable.name) + "\" needs a nominal above zero";
-    if (!names.insert(text(variable.name)).second) return "variable \"" + text(variable.name) + "\" is declared twice";
+    const std::string who = "variable \"" + text(variable.name) + "\" ";
+    if (variable.unit == nullptr) return who + "has no unit (\"1\" for none)";
+    if (variable.family < 0 || variable.family > 1) return who + "has no family";
+    if (!(variable.nominal > 0.0 && std::isfinite(variable.nominal))) return who + "needs a nominal above zero";
     own[variable.family] += 1;
   }
   if (slots[0] + own[0] != type.nx || slots[1] + own[1] != type.nz || slots[2] != type.nu) {
     return "its local variables do not add up";
   }
   for (std::int32_t i = 0; i < type.terminal_count; ++i) {
-    const bramah_terminal_info& terminal = type.terminals[i];
-    if (terminal.source == BRAMAH_OWN &&
-        (terminal.family > 1 || terminal.first < 0 || terminal.first + terminal.slots > own[terminal.family])) {
-      return "terminal \"" + text(terminal.name) + "\" shows variables that it does not have";
-    }
-    if (terminal.source == BRAMAH_CONSTANT && extension<bramah_constants>(type, BRAMAH_EXTENSION_CONSTANTS) == nullptr) {
-      return "terminal \"" + text(terminal.name) + "\" needs a function `constants`";
-    }
-    if (terminal.source == BRAMAH_SIGNAL && extension<bramah_signal>(type, BRAMAH_EXTENSION_SIGNAL) == nullptr) {
-      return "terminal \"" + text(terminal.name) + "\" needs functions `signal` and `next_breakpoint`";
-    }
+    fault = defect(type, type.terminals[i], own);
+    if (!fault.empty()) return "terminal \"" + text(type.terminals[i].name) + "\" " + fault;
   }
-  std::set<std::string> keys;
-  for (std::int32_t i = 0; i < type.parameter_count; ++i) keys.insert(text(type.parameters[i].name));
-  for (std::int32_t i = 0; i < type.port_count; ++i) keys.insert(text(type.ports[i].name));
-  if (keys.size() != static_cast<std::size_t>(type.parameter_count + type.port_count) || keys.count("type") > 0) {
-    return "two of its ports and parameters share a name, or one is called \"type\"";
+  for (const auto& [list, count] : {std::pair{type.holonomic, type.holonomic_count}, {type.nonholonomic, type.nonholonomic_count},
+                                    {type.outputs, type.output_count}}) {
+    for (std::int32_t i = 0; i < count; ++i) {
+      if (list[i].unit == nullptr) return "row \"" + text(list[i].name) + "\" has no unit (\"1\" for none)";
+    }
   }
   return "";
+}
+
+/// "mechanics" from "./lib/mechanics.so".
+std::string name_in_path(const std::string& path) {
+  std::string name = fs::path(path).filename().string();
+  for (const std::string_view ending : {".v3.so", ".so"}) {
+    if (name.ends_with(ending)) name.resize(name.size() - ending.size());
+  }
+  return name;
+}
+
+/// One letter added, left out, wrong, or two swapped; floor 2 does not know the engine's better one.
+bool resembles(const std::string& a, const std::string& b) {
+  if (a.size() < 3 || b.size() < 3 || a.size() + 1 < b.size() || b.size() + 1 < a.size()) return false;
+  std::size_t front = 0, back = 0;
+  const std::size_t shorter = std::min(a.size(), b.size());
+  while (front < shorter && a[front] == b[front]) ++front;
+  while (back < shorter - front && a[a.size() - 1 - back] == b[b.size() - 1 - back]) ++back;
+  const std::size_t rest_a = a.size() - front - back, rest_b = b.size() - front - back;
+  if (rest_a <= 1 && rest_b <= 1) return true;
+  return rest_a == 2 && rest_b == 2 && a[front] == b[front + 1] && a[front + 1] == b[front];
 }
 
 }  // namespace
@@ -126,12 +227,29 @@ std::vector<fs::path> Registry::default_search_path() {
   return path;
 }
 
+namespace {
+
+/// Nothing else of a table may be read before this.
+void check_epoch(const bramah_library& library, const fs::path& file) {
+  const bool known = library.size >= library_size_of_epoch;
+  if (known && library.epoch == BRAMAH_ABI_EPOCH) return;
+  throw PluginError("abi-mismatch",
+                    file.string() + (known ? " was made for border epoch " + std::to_string(library.epoch) + " by " + text(library.made_with)
+                                           : " has a table shorter than that of epoch " + std::to_string(BRAMAH_ABI_EPOCH)),
+                    "epoch " + std::to_string(BRAMAH_ABI_EPOCH) + ", which this engine speaks",
+                    "build the library again with the SDK of this engine");
+}
+
+}  // namespace
+
 void Registry::load(std::string_view name) {
   if (libraries_.find(name) != libraries_.end()) return;
   const std::string word(name);
   if (!valid_name(name)) {
-    throw PluginError("library-name", "library \"" + word + "\"", "a name of small letters, digits and underscores",
-                      "write the name of the library, not a path; folders go into BRAMAH_PLUGIN_PATH");
+    const std::string inner = name_in_path(word);
+    throw PluginError("library-name", "library \"" + word + "\"", "a name of small letters, digits and underscores, not a path",
+                      (valid_name(inner) ? "write \"" + inner + "\"" : std::string("write the name of the library")) +
+                          "; a folder of libraries goes into BRAMAH_PLUGIN_PATH");
   }
   std::vector<fs::path> found;
   std::string looked;
@@ -141,13 +259,17 @@ void Registry::load(std::string_view name) {
     looked += (looked.empty() ? "" : ", ") + folder.string();
   }
   if (found.empty()) {
-    std::string offered;
-    for (const std::string& other : available()) offered += (offered.empty() ? "" : ", ") + other;
-    throw PluginError("library-missing", "no library \"" + word + "\"",
+    std::string offered, meant;
+    for (const std::string& other : available()) {
+      offered += (offered.empty() ? "" : ", ") + other;
+      if (meant.empty() && resembles(word, other)) meant = other;
+    }
+    throw PluginError("library-missing", "there is no library \"" + word + "\"",
                       "a file " + word + ".so in one of: " + (looked.empty() ? "(no folders)" : looked),
-                      offered.empty() ? "set BRAMAH_PLUGIN_PATH to the folder that holds it"
-                                      : "use one of the libraries there (" + offered +
-                                            ") or add its folder to BRAMAH_PLUGIN_PATH");
+                      !meant.empty()    ? "did you mean \"" + meant + "\"?"
+                      : offered.empty() ? "set BRAMAH_PLUGIN_PATH to the folder that holds it"
+                                        : "use one of the libraries there (" + offered +
+                                              ") or add the folder of this one to BRAMAH_PLUGIN_PATH");
   }
   if (found.size() > 1) {
     throw PluginError("library-twice", "library \"" + word + "\" in " + found[0].string() + " and in " + found[1].string(),
@@ -161,8 +283,10 @@ void Registry::load(std::string_view name) {
   // Never closed: instances, tables and messages live in it, and unloading is unreliable with thread-locals anyway.
   void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) {
-    throw PluginError("library-broken", file.string() + " cannot be opened: " + text(dlerror()), "a loadable library",
-                      "rebuild it for this machine; `ldd " + file.string() + "` shows what it misses");
+    std::string why = text(dlerror());
+    if (why.starts_with(file.string() + ": ")) why.erase(0, file.string().size() + 2);
+    throw PluginError("library-broken", file.string() + " cannot be opened: " + why, "a library that this machine can load",
+                      "build it again for this machine; `file` and `ldd` show what it is and what it misses");
   }
   void* symbol = dlsym(handle, BRAMAH_ENTRY_POINT);
   if (symbol == nullptr) {
@@ -171,7 +295,7 @@ void Registry::load(std::string_view name) {
       if (dlsym(handle, other.c_str()) == nullptr) continue;
       throw PluginError("abi-mismatch", file.string() + " was made for border epoch " + std::to_string(epoch),
                         "epoch " + std::to_string(BRAMAH_ABI_EPOCH) + ", which this engine speaks",
-                        "rebuild the library against the SDK of this engine");
+                        "build the library again with the SDK of this engine");
     }
     throw PluginError("library-foreign", file.string() + " exports no " BRAMAH_ENTRY_POINT, "a Bramah component library",
                       "end its source with BRAMAH_LIBRARY(\"" + word + "\", \"1.0.0\", ...)");
@@ -183,21 +307,19 @@ void Registry::load(std::string_view name) {
     throw PluginError("library-broken", file.string() + " gave no table", "a table of component types",
                       "look for an exception in a component's describe");
   }
+  check_epoch(*library, file);
   if (text(library->name) != word) {
     throw PluginError("library-name", file.string() + " calls itself \"" + text(library->name) + "\"",
-                      "the name \"" + word + "\"", "rename the file or the library");
+                      "the name of its file, \"" + word + "\"", "rename the file or the library");
   }
   add(library, file);
 }
 
 void Registry::add(const bramah_library* library, const fs::path& origin) {
+  check_epoch(*library, origin);
   const std::string name = text(library->name);
-  if (library->size < library_size_of_epoch || library->epoch != BRAMAH_ABI_EPOCH) {
-    throw PluginError("abi-mismatch",
-                      origin.string() + " was made for border epoch " + std::to_string(library->epoch) + " by " +
-                          text(library->made_with),
-                      "epoch " + std::to_string(BRAMAH_ABI_EPOCH) + ", which this engine speaks",
-                      "rebuild the library against the SDK of this engine");
+  if (library->type_count < 0 || (library->type_count > 0 && library->types == nullptr)) {
+    throw PluginError("library-broken", origin.string() + " has no list of types", "a list of component types", "repair its table");
   }
   if (const auto other = libraries_.find(name); other != libraries_.end()) {
     throw PluginError("library-twice",
@@ -205,11 +327,14 @@ void Registry::add(const bramah_library* library, const fs::path& origin) {
                       "libraries with names of their own", "load only one of them");
   }
   for (std::int32_t i = 0; i < library->type_count; ++i) {
+    if (library->types[i] == nullptr) {
+      throw PluginError("library-broken", origin.string() + " has a type without a description", "a list of component types", "repair its table");
+    }
     const bramah_type& type = *library->types[i];
     const std::string fault = defect(type, name);
     if (!fault.empty()) {
       throw PluginError("library-broken", "type " + text(type.name) + " of " + origin.string() + ": " + fault,
-                        "a consistent description", "repair the component's describe");
+                        "a consistent description of the type", "repair the component's describe, and build the library again");
     }
     for (std::int32_t k = 0; k < i; ++k) {
       if (text(library->types[k]->name) != type.name) continue;

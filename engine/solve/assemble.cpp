@@ -65,6 +65,25 @@ Index worst(const Vector& rows) {
   return it == rows.end() ? -1 : it - rows.begin();
 }
 
+std::string with_unit(double value, const std::string& unit) { return digits(value) + (unit == "1" ? "" : " " + unit); }
+
+std::string names_of(const System& system, std::span<const Index> coordinates) {
+  std::string names;
+  for (const Index i : coordinates) names += (names.empty() ? "" : ", ") + system.x[static_cast<std::size_t>(i)].name;
+  return names;
+}
+
+/// Whether holding is to blame: the same start values with all coordinates free.
+bool closes_without_holding(const System& system, State state, const Vector& start) {
+  state.x = start;
+  try {
+    assemble_positions(system, state);
+  } catch (const AnalysisError&) {
+    return false;
+  }
+  return true;
+}
+
 double size_of(const Vector& rows) {
   double largest = 0.0;
   for (const double row : rows) largest = std::max(largest, std::abs(row));
@@ -75,6 +94,7 @@ double size_of(const Vector& rows) {
 
 void assemble_positions(const System& system, State& state, std::span<const Index> fixed) {
   if (system.m() == 0) return;
+  const Vector start = state.x;
   Blocks blocks(system);
   NearestPoint nearest(system, system.m(), BRAMAH_C_X, fixed);
   Request request = Request{}.rows("c").blocks({BRAMAH_C_X});
@@ -82,7 +102,7 @@ void assemble_positions(const System& system, State& state, std::span<const Inde
     const Outcome outcome = blocks.evaluate(system, state, request);
     if (!outcome.ok()) {
       throw AnalysisError("assembly", outcome.message, "constraints that can be evaluated at the start values",
-                          "move the start values: two points may coincide");
+                          "move the start values: two points may coincide", "/start");
     }
   };
   evaluate();
@@ -111,14 +131,17 @@ void assemble_positions(const System& system, State& state, std::span<const Inde
   }
   if (residual <= 1e3 * position_tolerance * scale) return;
   const Index row = worst(blocks.c);
-  std::string held;
-  for (const Index i : fixed) held += (held.empty() ? " with " : ", ") + system.x[static_cast<std::size_t>(i)].name;
-  throw AnalysisError("assembly",
-                      "the constraint " + system.constraint(row).name + " stays open by " + digits(blocks.c[static_cast<std::size_t>(row)]) + " " +
-                          system.constraint(row).unit + (held.empty() ? "" : held + " held"),
-                      "start values from which all constraints can be closed",
-                      "check lengths and points of " + system.component_name(system.constraint(row).component) +
-                          ", move the start values nearer to the assembled position, or hold fewer coordinates");
+  const Row& open = system.constraint(row);
+  const std::string gap = "the constraint " + open.name + " stays open by " + with_unit(std::abs(blocks.c[static_cast<std::size_t>(row)]), open.unit);
+  if (!fixed.empty() && closes_without_holding(system, state, start)) {
+    throw AnalysisError("assembly", "with " + names_of(system, fixed) + " held at the start values, " + gap + "; without, all constraints close",
+                        "held coordinates whose start values agree with each other", "hold fewer coordinates, or correct their start values",
+                        "/hold");
+  }
+  throw AnalysisError("assembly", gap, "lengths, points and start values with which all constraints can be closed",
+                      "check the lengths and points of " + system.component_name(open.component) +
+                          " and of what it joins, or move the start values nearer to the assembled position",
+                      "/components/" + system.component_name(open.component));
 }
 
 void assemble_velocities(const System& system, State& state, std::span<const Index> fixed) {
@@ -136,9 +159,13 @@ void assemble_velocities(const System& system, State& state, std::span<const Ind
     if (residual <= 1e-15 * scale || residual >= 0.5 * before) {  // linear in v: stagnation is rounding or contradiction
       if (residual <= 1e-10 * scale) return;
       const Index row = worst(blocks.r);
-      throw AnalysisError("assembly",
-                          "the rate of constraint " + system.constraint(row).name + " stays at " + digits(blocks.r[static_cast<std::size_t>(row)]),
-                          "start rates that the constraints allow", "change the start rates, or the driver that demands this one");
+      const Row& moving = system.constraint(row);
+      const std::string rate = "the constraint " + moving.name + " opens at a rate of " +
+                               digits(std::abs(blocks.r[static_cast<std::size_t>(row)])) + (moving.unit == "1" ? " 1/s" : " " + moving.unit + "/s");
+      throw AnalysisError("assembly", (fixed.empty() ? "" : "with the start rates of " + names_of(system, fixed) + " held, ") + rate,
+                          "start rates that the constraints allow",
+                          fixed.empty() ? "change the start rates, or the driver that demands this one" : "hold fewer coordinates, or correct their start rates",
+                          fixed.empty() ? "/components/" + system.component_name(moving.component) : std::string("/hold"));
     }
     before = residual;
     const std::span<const double> step = nearest.solve(blocks, blocks.r);

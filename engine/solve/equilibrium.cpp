@@ -11,6 +11,12 @@
 namespace bramah {
 namespace {
 
+std::string digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
 /// Newton's method on (x, z, lambda) without the held variables, by a rank-revealing factorization: a direction that no
 /// row resists is left where it is.
 class Newton {
@@ -103,10 +109,41 @@ class Newton {
   [[nodiscard]] std::string equation_name(Index i) const {
     const Index n = system_.n(), nz = system_.nz();
     if (i < n) return "the force balance of " + system_.x[static_cast<std::size_t>(i)].name;
-    if (i < n + nz) return "the flow balance of " + system_.z[static_cast<std::size_t>(i - n)].name;
+    if (i < n + nz) return "the storage balance of " + system_.z[static_cast<std::size_t>(i - n)].name;
     return "the constraint " + system_.constraint(i - n - nz).name;
   }
-  [[nodiscard]] double equation_residual(Index i) const { return residual_[static_cast<std::size_t>(i)]; }
+  /// The residual with its unit, where the unit is a plain one.
+  [[nodiscard]] std::string equation_residual(Index i) const {
+    const Index n = system_.n(), nz = system_.nz();
+    std::string unit;
+    if (i < n) {
+      const std::string& of = system_.x[static_cast<std::size_t>(i)].unit;
+      unit = of == "m" ? " N" : of == "rad" ? " N.m" : "";
+    } else if (i < n + nz) {
+      unit = system_.z[static_cast<std::size_t>(i - n)].unit == "Pa" ? " m^3/s" : "";
+    } else {
+      const std::string& of = system_.constraint(i - n - nz).unit;
+      unit = of == "1" ? "" : " " + of;
+    }
+    return digits(residual_[static_cast<std::size_t>(i)]) + unit;
+  }
+  [[nodiscard]] std::string equation_component(Index i) const {
+    const Index n = system_.n(), nz = system_.nz();
+    return system_.component_name(i < n        ? system_.x[static_cast<std::size_t>(i)].component
+                                  : i < n + nz ? system_.z[static_cast<std::size_t>(i - n)].component
+                                               : system_.constraint(i - n - nz).component);
+  }
+  /// The coordinate of a force balance that nothing resists at this state: it is free to move, or "".
+  [[nodiscard]] std::string free_coordinate(Index i) {
+    if (i >= system_.n()) return "";
+    const std::string& name = system_.x[static_cast<std::size_t>(i)].name;
+    for (const FreeDirection& direction : free_directions()) {
+      for (const auto& [moved, share] : direction.variables) {
+        if (moved == name) return name;
+      }
+    }
+    return "";
+  }
 
   /// Null vectors of the last factored matrix that move a variable; those of multipliers alone are redundant rows.
   std::vector<FreeDirection> free_directions() {
@@ -167,12 +204,6 @@ class Newton {
   Outcome outcome_;
 };
 
-std::string digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 }  // namespace
 
 Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& options, double t) {
@@ -185,7 +216,7 @@ Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& opt
   Newton newton(system, options, state);
   const auto evaluate = [&] {
     if (newton.evaluate(true)) return;
-    throw AnalysisError("equilibrium", newton.failure(), "start values at which every component can be evaluated", "move the start values");
+    throw AnalysisError("equilibrium", newton.failure(), "start values at which every component can be evaluated", "move the start values", "/start");
   };
   evaluate();
   bool converged = false;
@@ -217,11 +248,15 @@ Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& opt
   Index row = 0;
   result.residual = newton.size(&row);
   if (result.residual > options.tolerance) {
+    newton.solve();
+    const std::string free = newton.free_coordinate(row);
     throw AnalysisError("equilibrium",
-                        newton.equation_name(row) + " stays at " + digits(newton.equation_residual(row)) + " after " +
-                            std::to_string(result.iterations) + " iterations",
-                        "start values from which an equilibrium can be reached",
-                        "hold fewer variables, move the start values, or check that something balances this row");
+                        newton.equation_name(row) + " stays at " + newton.equation_residual(row) + " after " +
+                            std::to_string(result.iterations) + " iterations" + (free.empty() ? "" : ", and nothing resists a motion of " + free),
+                        free.empty() ? "start values near an equilibrium" : "something that balances this force",
+                        free.empty() ? "hold fewer variables, move the start values, or check that something balances this row"
+                                     : "connect a joint, a spring or a support; holding " + free + " would not balance the force",
+                        "/components/" + newton.equation_component(row));
   }
   newton.solve();
   result.free_directions = newton.free_directions();

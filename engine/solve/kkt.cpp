@@ -28,7 +28,16 @@ void Kkt::factor(const Blocks& blocks) {
   if (lu_.factor({size_, size_, plan_.start().data(), plan_.row().data(), plan_.values().data()})) return;
   throw AnalysisError("dynamics", "the mass and constraint matrix is singular at " + unknown_name(lu_.singular_column()),
                       "inertia for every motion that the constraints leave free, and storage for every first-order variable",
-                      "give the body a mass and inertia, or remove the constraint or coordinate that makes it singular");
+                      "give the body a mass and inertia, or remove the constraint or coordinate that makes it singular",
+                      "/components/" + unknown_component(lu_.singular_column()));
+}
+
+std::string Kkt::unknown_component(Index i) const {
+  const Index n = system_.n(), count = static_cast<Index>(rows_.size());
+  if (i < 0 || i >= size_) return "";
+  if (i < n) return system_.component_name(system_.x[static_cast<std::size_t>(i)].component);
+  if (i < n + count) return system_.component_name(system_.constraint(rows_[static_cast<std::size_t>(i - n)]).component);
+  return system_.component_name(system_.z[static_cast<std::size_t>(i - n - count)].component);
 }
 
 std::string Kkt::unknown_name(Index i) const {

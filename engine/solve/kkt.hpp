@@ -37,6 +37,7 @@ class Kkt {
 
  private:
   [[nodiscard]] std::string unknown_name(Index i) const;
+  [[nodiscard]] std::string unknown_component(Index i) const;
   const System& system_;
   std::vector<Index> rows_;
   Index size_ = 0;

@@ -83,9 +83,14 @@ Partition choose_partition(const System& system, const State& state, std::span<c
     std::string names, chosen;
     for (const std::string& name : lost) names += (names.empty() ? "" : ", ") + name;
     for (const Index i : result.ai) chosen += (chosen.empty() ? "" : ", ") + system.x[static_cast<std::size_t>(i)].name;
-    throw AnalysisError("partition", "prescribed independent coordinates that the constraints tie: " + names,
-                        std::to_string(result.ai.size()) + " independent coordinate(s) of which none determines another",
-                        "prescribe others, for example: " + (chosen.empty() ? "none, the mechanism cannot move" : chosen));
+    const bool too_many = independent.size() > result.ai.size();
+    throw AnalysisError("partition", "the constraints tie " + names + " to the other coordinates that shall be independent",
+                        result.ai.empty()       ? "no independent coordinate, since the mechanism cannot move"
+                        : result.ai.size() == 1 ? std::string("one independent coordinate, which moves freely")
+                                                : std::to_string(result.ai.size()) + " independent coordinates of which none determines another",
+                        result.ai.empty() ? std::string("remove \"independent\"")
+                                          : (too_many ? "prescribe fewer, for example: " : "prescribe others, for example: ") + chosen,
+                        "/linearize/independent");
   }
   // Rows in ascending order read better and keep the pattern of D; coordinates keep the order of declaration.
   std::sort(result.rows.begin(), result.rows.end());

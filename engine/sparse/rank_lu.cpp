@@ -54,7 +54,7 @@ void RankLu::factor(const CscView& a, const RankLuOptions& options) {
   std::vector<double> work(rows, 0.0);
   std::vector<std::int64_t> mark(rows, -1), pattern, topological;
   std::vector<std::pair<std::int64_t, std::int64_t>> stack;  // row, next child
-  std::vector<std::int64_t> row_count(rows, 0);              // sparsity of rows: the tie-break among good pivots
+  std::vector<std::int64_t> row_count(rows, 0);              // columns to come in each row: the tie-break among good pivots
   for (std::int64_t e = 0; e < a.start[a.columns]; ++e) ++row_count[static_cast<std::size_t>(a.row[e])];
 
   for (const std::int64_t column : order) {
@@ -101,7 +101,7 @@ void RankLu::factor(const CscView& a, const RankLuOptions& options) {
       }
     }
 
-    // Pivot: lowest class first, then within the threshold the sparsest row, then the first.
+    // Pivot: lowest class first, then within the threshold the row that fewest columns still need, then the first.
     std::int64_t pivot = -1;
     double largest = 0.0;
     const auto class_of = [&](std::int64_t row) { return options.row_class.empty() ? 0 : options.row_class[static_cast<std::size_t>(row)]; };
@@ -147,6 +147,7 @@ void RankLu::factor(const CscView& a, const RankLuOptions& options) {
       auto& u = dependent_u_.emplace_back();
       for (const std::int64_t k : topological) u.emplace_back(k, work[static_cast<std::size_t>(pivot_rows_[static_cast<std::size_t>(k)])]);
     }
+    for (std::int64_t e = a.start[column]; e < a.start[column + 1]; ++e) --row_count[static_cast<std::size_t>(a.row[e])];
     for (const std::int64_t row : pattern) work[static_cast<std::size_t>(row)] = 0.0;
     for (const std::int64_t k : topological) work[static_cast<std::size_t>(pivot_rows_[static_cast<std::size_t>(k)])] = 0.0;
   }

@@ -35,91 +35,195 @@ void Faults::add(std::string code, std::string where, std::string found, std::st
   list.push_back(std::move(d));
 }
 
+namespace {
+
+std::string unescaped(std::string_view key) {
+  std::string text;
+  for (std::size_t i = 0; i < key.size(); ++i) {
+    const bool escape = key[i] == '~' && i + 1 < key.size();
+    text += escape ? (key[++i] == '1' ? '/' : '~') : key[i];
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string named(const std::string& where) {
+  std::string rest = where;
+  bool element = false;
+  for (;;) {
+    const std::size_t slash = rest.rfind('/');
+    if (slash == std::string::npos) return "the value";
+    const std::string key = rest.substr(slash + 1);
+    if (key.empty() || key.find_first_not_of("0123456789") != std::string::npos) {
+      return (element ? "an element of \"" : "\"") + unescaped(key) + '"';
+    }
+    element = true;
+    rest.resize(slash);
+  }
+}
+
+std::vector<std::string> related(std::string_view word, const std::vector<std::string>& names) {
+  const std::string_view component = word.substr(0, word.find('.'));
+  std::vector<std::string> list;
+  for (const std::string& name : names) {
+    if (name.size() > component.size() && name[component.size()] == '.' && name.starts_with(component)) list.push_back(name);
+  }
+  return list.empty() ? names : list;
+}
+
+namespace {
+
+bool begins_a_number(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" +-.");
+  return first != std::string_view::npos && text[first] >= '0' && text[first] <= '9';
+}
+
+std::vector<std::string> split(const std::string& list) {
+  std::vector<std::string> words;
+  for (std::size_t begin = 0; begin < list.size();) {
+    const std::size_t end = std::min(list.find(", ", begin), list.size());
+    words.push_back(list.substr(begin, end - begin));
+    begin = end + 2;
+  }
+  return words;
+}
+
+}  // namespace
+
 void Numbers::read_constants(const Value* section) {
   if (section == nullptr || section->object() == nullptr) return;
   for (const Member& member : *section->object()) {
     const std::string where = pointer("/constants", member.key);
-    Constant constant;
+    Constant& constant = constants_[member.key];
+    constant.written = description(member.value);
     if (const double* number = member.value.number()) {
       constant.value = *number;
-      constant.plain = true;
     } else if (const std::string* text = member.value.text()) {
-      const std::optional<Quantity> quantity = parse_quantity(*text);
-      const std::optional<Unit> unit = quantity ? parse_unit(quantity->unit) : std::nullopt;
-      if (!unit) {
-        faults_.add("bad-number", where, description(member.value), "a number, or a number with a unit such as \"1500 MPa\"",
-                    "write a constant as a quantity");
-        continue;
-      }
+      const std::optional<Quantity> quantity = quantity_of(*text, where, "Pa");
+      if (!quantity) continue;
+      const std::optional<Unit> unit = unit_of(*quantity, *text, where, nullptr, "");
+      if (!unit) continue;
       constant.value = unit->to_si(quantity->value);
       constant.unit = *unit;
       constant.plain = quantity->unit.empty();
     } else {
-      faults_.add("bad-number", where, description(member.value), "a number, or a number with a unit", "");
+      faults_.add("wrong-kind", where, named(where) + " is " + description(member.value),
+                  "a number, or a number with a unit such as \"1500 MPa\"", "write one number");
       continue;
     }
-    constants_.emplace(member.key, constant);
+    constant.sound = is_finite(constant.value, where);
   }
+}
+
+bool Numbers::is_finite(double value, const std::string& where) {
+  if (std::isfinite(value)) return true;
+  faults_.add("number-out-of-range", where, named(where) + " is not a finite number", "a number between -1.79e308 and 1.79e308 in SI units",
+              "check the exponent");
+  return false;
+}
+
+/// Number and unit of a text; a fault where it has no number.
+std::optional<Quantity> Numbers::quantity_of(const std::string& text, const std::string& where, std::string_view unit) {
+  const std::optional<Quantity> quantity = parse_quantity(text);
+  if (quantity) return quantity;
+  const std::string found = named(where) + " is " + description(text), example = "\"1 " + std::string(unit) + "\"";
+  if (begins_a_number(text)) {
+    faults_.add("number-out-of-range", where, found, "a number between -1.79e308 and 1.79e308", "check the exponent");
+  } else {
+    const bool is_constant = constants_.find(text) != constants_.end();
+    faults_.add("bad-number", where, found, "a number, or a number with a unit such as " + example,
+                is_constant ? "did you mean \"=" + text + "\"?" : "write the number first; constants are written \"=name\"");
+  }
+  return std::nullopt;
+}
+
+/// The unit of a quantity; a fault where it is none. `wanted` may be null: any dimension.
+std::optional<Unit> Numbers::unit_of(const Quantity& quantity, const std::string& text, const std::string& where, const Unit* wanted,
+                                     const std::string& shown) {
+  const std::optional<Unit> unit = parse_unit(quantity.unit);
+  if (unit) return unit;
+  std::string remedy = "write products with a dot: N.m, kg.m^2, m^3/(s.Pa^0.5)";
+  if (quantity.unit.front() == ',') {
+    remedy = "write a decimal point, not a comma";
+  } else if (wanted != nullptr) {
+    remedy = suggestion(quantity.unit, split(alternatives(*wanted)), remedy);
+  }
+  faults_.add("unknown-unit", where, named(where) + " is " + description(text) + ", and \"" + quantity.unit + "\" is no unit",
+              wanted == nullptr ? "a unit such as MPa, mm or kg/m^3" : "a unit for " + shown + ": " + alternatives(*wanted), remedy);
+  return std::nullopt;
 }
 
 std::optional<double> Numbers::read(const Value& value, const std::string& where, std::string_view unit_text) {
   const std::optional<Unit> wanted = parse_unit(unit_text);
   const std::string shown(unit_text.empty() ? "1" : unit_text);
-  if (const double* number = value.number()) return *number;
+  if (const double* number = value.number()) return is_finite(*number, where) ? std::optional(*number) : std::nullopt;
   const std::string* text = value.text();
   if (text == nullptr) {
-    faults_.add("wrong-kind", where, description(value), "a number in " + shown + ", or text such as \"1 " + shown + "\"",
-                "write one number");
+    faults_.add("wrong-kind", where, named(where) + " is " + description(value),
+                shown == "1" ? std::string("a number") : "a number in " + shown + ", or text such as \"1 " + shown + "\"", "write one number");
     return std::nullopt;
   }
-  if (!text->empty() && text->front() == '=') {
-    const std::string name = text->substr(1);
-    const auto constant = constants_.find(name);
-    if (constant == constants_.end()) {
-      std::vector<std::string> names;
-      for (const auto& [key, unused] : constants_) names.push_back(key);
-      faults_.add("unknown-constant", where, "constant \"" + name + "\"",
-                  names.empty() ? "a name from the section \"constants\", which is empty" : "one of: " + quoted_list(names),
-                  suggestion(name, names, "add it to \"constants\""));
-      return std::nullopt;
-    }
-    used_.insert(name);
-    if (!constant->second.plain && wanted && !constant->second.unit.same_dimension(*wanted)) {
-      faults_.add("wrong-unit", where, "constant \"" + name + "\" of another dimension", "a quantity in " + shown,
-                  "use a constant in " + alternatives(*wanted));
-      return std::nullopt;
-    }
-    return constant->second.value;
-  }
-  const std::optional<Quantity> quantity = parse_quantity(*text);
-  if (!quantity) {
-    faults_.add("bad-number", where, description(value), "a number with a unit, such as \"1 " + shown + "\"",
-                "write the number first; constants are written \"=name\"");
-    return std::nullopt;
-  }
-  const std::optional<Unit> unit = parse_unit(quantity->unit);
-  if (!unit) {
-    faults_.add("unknown-unit", where, "unit \"" + quantity->unit + "\"",
-                "a unit for " + shown + (wanted ? ": " + alternatives(*wanted) : std::string()),
-                "products are written with a dot: N.m, kg.m^2, m^3/(s.Pa^0.5)");
-    return std::nullopt;
-  }
-  if (quantity->unit.empty() && shown != "1") return quantity->value;  // "0.3" as text: SI, like a plain number
+  if (!text->empty() && text->front() == '=') return constant_value(text->substr(1), where, wanted, shown);
+  const std::optional<Quantity> quantity = quantity_of(*text, where, shown);
+  if (!quantity) return std::nullopt;
+  if (quantity->unit.empty()) return quantity->value;  // "0.3" as text: SI, like a plain number
+  const std::optional<Unit> unit = unit_of(*quantity, *text, where, wanted ? &*wanted : nullptr, shown);
+  if (!unit) return std::nullopt;
   if (wanted && !unit->same_dimension(*wanted)) {
-    faults_.add("wrong-unit", where, "\"" + *text + "\"", "a quantity in " + shown,
-                "use one of: " + alternatives(*wanted) + "; or a plain number, which is " + shown);
+    faults_.add("wrong-unit", where, named(where) + " is " + description(value),
+                shown == "1" ? std::string("a number without unit") : "a quantity in " + shown,
+                shown == "1" ? std::string("write the number alone")
+                             : "use one of " + alternatives(*wanted) + ", or a plain number, which is in " + shown);
     return std::nullopt;
   }
-  return unit->to_si(quantity->value);
+  const double number = unit->to_si(quantity->value);
+  return is_finite(number, where) ? std::optional(number) : std::nullopt;
 }
 
-void Numbers::report_unused(const Value* section) {
+/// What "=name" stands for.
+std::optional<double> Numbers::constant_value(const std::string& name, const std::string& where, const std::optional<Unit>& wanted,
+                                              const std::string& shown) {
+  const auto constant = constants_.find(name);
+  if (constant == constants_.end()) {
+    std::vector<std::string> names;
+    for (const auto& [key, unused] : constants_) names.push_back(key);
+    faults_.add("unknown-constant", where, named(where) + " is \"=" + name + "\", and there is no constant \"" + name + '"',
+                names.empty() ? "a name from the section \"constants\", which is empty" : "one of: " + quoted_list(names),
+                suggestion(name, names, "add it to \"constants\""));
+    return std::nullopt;
+  }
+  used_.insert(name);
+  if (!constant->second.sound) return std::nullopt;  // reported already
+  if (!constant->second.plain && wanted && !constant->second.unit.same_dimension(*wanted)) {
+    faults_.add("wrong-unit", where, named(where) + " is \"=" + name + "\", and that constant is " + constant->second.written,
+                "a quantity in " + shown, "use a constant in one of " + alternatives(*wanted));
+    return std::nullopt;
+  }
+  return constant->second.value;
+}
+
+namespace {
+
+bool refers(const Value& value, const std::string& reference) {
+  if (value.text() != nullptr) return *value.text() == reference;
+  if (value.list() != nullptr) {
+    return std::any_of(value.list()->begin(), value.list()->end(), [&](const Value& item) { return refers(item, reference); });
+  }
+  if (value.object() == nullptr) return false;
+  return std::any_of(value.object()->begin(), value.object()->end(), [&](const Member& m) { return refers(m.value, reference); });
+}
+
+}  // namespace
+
+void Numbers::report_unused(const Value& root) {
+  const Value* section = root.find("constants");
   if (section == nullptr || section->object() == nullptr) return;
+  const bool all_read = faults_.list.empty();  // else it may be used where nothing could be read
   for (const Member& member : *section->object()) {
-    if (used_.count(member.key) == 0) {
-      faults_.add("unused", pointer("/constants", member.key), "constant \"" + member.key + "\" is used nowhere",
-                  "every constant to be used", "remove it, or refer to it as \"=" + member.key + "\"", true);
-    }
+    if (used_.count(member.key) > 0 || (!all_read && refers(root, "=" + member.key))) continue;
+    faults_.add("unused", pointer("/constants", member.key), "constant \"" + member.key + "\" is used nowhere", "every constant to be used",
+                "remove it, or refer to it as \"=" + member.key + "\"", true);
   }
 }
 
@@ -137,7 +241,8 @@ struct Draft {
   const bramah_type* type = nullptr;
   std::vector<std::vector<double>> numbers;  // per parameter
   std::vector<std::string> texts;
-  bool sound = false;  // parameters complete
+  bool sound = false;                        // parameters complete; only sound components become instances
+  std::set<std::string> meant;               // keys that misspelt ones probably stand for: they are not missing, too
   Index group = -1, position = -1;
   Index first_x = 0, first_z = 0, first_holonomic = 0, first_nonholonomic = 0, first_output = 0;
   Index input = -1;                          // of a signal
@@ -155,25 +260,27 @@ std::string parameter_unit(const bramah_type& type, const char* unit, const Draf
 
 class Compiler {
  public:
-  Compiler(const Scene& scene, std::shared_ptr<Registry> registry)
-      : scene_(scene), registry_(std::move(registry)), numbers_(faults_) {}
+  Compiler(const Scene& scene, std::shared_ptr<Registry> registry, std::vector<Diagnostic> earlier)
+      : scene_(scene), registry_(std::move(registry)), earlier_(std::move(earlier)), numbers_(faults_) {}
 
+  /// Goes on after faults as far as sense allows, so that one run reports all of them. Components with faults have no
+  /// instance, those of unknown type nothing but a name; what they would have been asked for is not judged.
   Compiled run() {
     load_libraries();
     numbers_.read_constants(scene_.root.find("constants"));
     read_components();
-    stop_if_faulty();  // without types and parameters nothing further can be said
+    if (drafts_.empty()) stop_if_faulty();
     make_instances();
     number_variables();
     connect();
     read_start();
+    read_options(scene_.root, compiled_.system, numbers_, faults_, compiled_.options);
+    numbers_.report_unused(scene_.root);
     stop_if_faulty();
     make_patterns();
     check_structure();
-    system().registry = registry_;
-    read_options(scene_.root, compiled_.system, numbers_, faults_, compiled_.options);
-    numbers_.report_unused(scene_.root.find("constants"));
     stop_if_faulty();
+    system().registry = registry_;
     return std::move(compiled_);
   }
 
@@ -181,7 +288,14 @@ class Compiler {
   System& system() { return compiled_.system; }
 
   void stop_if_faulty() {
-    if (!faults_.list.empty()) throw SceneError(std::move(faults_.list));
+    if (faults_.list.empty() && earlier_.empty()) return;
+    std::vector<Diagnostic> all = std::move(earlier_);
+    const std::size_t before = all.size();
+    for (Diagnostic& fault : faults_.list) {
+      const auto same = [&](const Diagnostic& d) { return d.byte < 0 && d.pointer == fault.pointer; };
+      if (std::none_of(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(before), same)) all.push_back(std::move(fault));
+    }
+    throw SceneError(std::move(all));
   }
 
   void load_libraries() {
@@ -190,7 +304,14 @@ class Compiler {
     std::size_t index = 0;
     for (const Value& name : *libraries->list()) {
       const std::string where = pointer("/libraries", index++);
-      if (name.text() == nullptr) continue;
+      if (name.text() == nullptr) {
+        faults_.add("wrong-kind", where, named(where) + " is " + description(name), "the name of a library", "put it in double quotes");
+        continue;
+      }
+      if (std::find(libraries_.begin(), libraries_.end(), *name.text()) != libraries_.end()) {
+        faults_.add("repeated", where, "library \"" + *name.text() + "\" a second time", "each library once", "remove one");
+        continue;
+      }
       libraries_.push_back(*name.text());
       try {
         registry_->load(*name.text());
@@ -215,7 +336,11 @@ class Compiler {
       draft.where = pointer("/components", member.key);
       draft.value = &member.value;
       find_type(draft);
-      if (draft.type != nullptr) read_parameters(draft);
+      if (draft.type != nullptr) {
+        read_parameters(draft);
+      } else {
+        faults_.unread.insert(draft.name);
+      }
       by_name_.emplace(draft.name, drafts_.size());
       drafts_.push_back(std::move(draft));
     }
@@ -228,27 +353,56 @@ class Compiler {
                   "`bramah list` shows all types");
       return;
     }
-    draft.type = registry_->find(*type->text());
+    const std::string& name = *type->text();
+    draft.type = registry_->find(name);
+    const std::size_t slash = name.find('/');
+    const std::string library = name.substr(0, slash);
+    const bool listed = std::find(libraries_.begin(), libraries_.end(), library) != libraries_.end();
+    // A registry may know more than this scene asks for; what the scene means must not depend on that.
+    if (draft.type != nullptr && !listed) draft.type = nullptr;
     if (draft.type != nullptr) return;
-    const std::string library = type->text()->substr(0, type->text()->find('/'));
-    if (broken_libraries_.count(library) > 0) return;  // reported already
-    const std::string where = pointer(draft.where, "type");
-    if (std::find(libraries_.begin(), libraries_.end(), library) == libraries_.end() &&
-        type->text()->find('/') != std::string::npos) {
-      const std::vector<std::string> offered = registry_->available();
-      const bool exists = std::find(offered.begin(), offered.end(), library) != offered.end();
-      faults_.add("unknown-type", where, "type \"" + *type->text() + "\"",
-                  "a type of the scene's libraries: " + quoted_list(libraries_),
-                  exists ? "add \"" + library + "\" to \"libraries\"" : suggestion(library, offered, "`bramah list` shows all types"));
+    const std::string where = pointer(draft.where, "type"), found = "unknown type \"" + name + '"';
+    if (slash == std::string::npos) {
+      std::vector<std::string> known = known_types("");
+      std::string meant;
+      for (const std::string& candidate : known) {
+        if (candidate.substr(candidate.find('/') + 1) == name) meant = candidate;
+      }
+      faults_.add("unknown-type", where, found, "library/type, such as \"mechanics/ground\"",
+                  meant.empty() ? "`bramah list` shows all types" : "did you mean \"" + meant + "\"?");
       return;
     }
+    // Once is enough for a library that could not be loaded, is misspelt in the list or has been forgotten there.
+    if (broken_libraries_.count(library) > 0) return;
+    if (!listed) {
+      const std::vector<std::string> broken(broken_libraries_.begin(), broken_libraries_.end());
+      if (!closest(library, broken).empty() || !forgotten_libraries_.insert(library).second) return;
+      const std::vector<std::string> offered = registry_->available();
+      const bool exists = std::find(offered.begin(), offered.end(), library) != offered.end();
+      std::vector<std::string> candidates = libraries_;
+      candidates.insert(candidates.end(), offered.begin(), offered.end());
+      const std::string meant = closest(library, candidates);
+      faults_.add("unknown-type", where, found,
+                  libraries_.empty() ? std::string("a list \"libraries\" that names its library")
+                                     : "a type of the scene's libraries: " + quoted_list(libraries_),
+                  exists          ? "add \"" + library + "\" to \"libraries\""
+                  : meant.empty() ? "check the library's name; `bramah list` shows all types"
+                                  : "did you mean \"" + meant + name.substr(slash) + "\"?");
+      return;
+    }
+    const std::vector<std::string> known = known_types(library);
+    faults_.add("unknown-type", where, found, "one of: " + quoted_list(known, 20), suggestion(name, known, "`bramah list` shows all types"));
+  }
+
+  /// Names of all types of one of the scene's libraries, or of all of them.
+  [[nodiscard]] std::vector<std::string> known_types(std::string_view library) const {
     std::vector<std::string> known;
     for (const std::string& name : registry_->type_names()) {
-      if (name.substr(0, name.find('/')) == library) known.push_back(name);
+      const std::string of = name.substr(0, name.find('/'));
+      const bool listed = std::find(libraries_.begin(), libraries_.end(), of) != libraries_.end();
+      if (listed && (library.empty() || of == library)) known.push_back(name);
     }
-    if (known.empty()) known = registry_->type_names();
-    faults_.add("unknown-type", where, "type \"" + *type->text() + "\"", "one of: " + quoted_list(known),
-                suggestion(*type->text(), known, "`bramah list` shows all types"));
+    return known;
   }
 
   void read_parameters(Draft& draft) {
@@ -259,16 +413,10 @@ class Compiler {
     for (std::int32_t i = 0; i < type.parameter_count; ++i) keys.emplace_back(type.parameters[i].name);
     for (const Member& member : *draft.value->object()) {
       if (member.key == "type" || std::find(keys.begin(), keys.end(), member.key) != keys.end()) continue;
+      draft.meant.insert(closest(member.key, keys));
       faults_.add("unknown-key", pointer(draft.where, member.key), "unknown key \"" + member.key + "\" of " + type.name,
-                  "one of: " + quoted_list(keys), suggestion(member.key, keys, std::string("`bramah describe ") + type.name + "` explains them"), true);
-    }
-    for (std::int32_t i = 0; i < type.port_count; ++i) {
-      const bramah_port_info& port = type.ports[i];
-      if (port.required != 0 && draft.value->find(port.name) == nullptr) {
-        faults_.add("missing-port", draft.where, std::string("port \"") + port.name + "\" of " + type.name + " is not connected",
-                    std::string("the name of a component with a ") + port.kind + " (" + port.doc + ")",
-                    std::string("add \"") + port.name + "\": \"...\"", true);
-      }
+                  keys.empty() ? "nothing but \"type\"" : "one of: " + quoted_list(keys, 20),
+                  suggestion(member.key, keys, std::string("`bramah describe ") + type.name + "` explains them"), true);
     }
     const auto count = static_cast<std::size_t>(type.parameter_count);
     draft.numbers.resize(count);
@@ -289,8 +437,10 @@ class Compiler {
     const std::string unit = parameter_unit(*draft.type, info.unit, draft);
     if (value == nullptr) {
       if (info.required != 0) {
+        if (draft.meant.count(info.name) > 0) return;
         faults_.add("missing-parameter", draft.where, std::string("parameter \"") + info.name + "\" of " + draft.type->name + " is missing",
-                    std::string(info.doc) + (unit.empty() || unit == "1" ? "" : ", in " + unit), std::string("add \"") + info.name + "\"", true);
+                    std::string(info.doc) + (unit.empty() || unit == "1" ? "" : ", in " + unit),
+                    std::string("add \"") + info.name + "\" to \"" + draft.name + '"', true);
       } else if (info.kind == BRAMAH_TEXT) {
         draft.texts[index] = info.default_text == nullptr ? "" : info.default_text;
       } else if (info.kind == BRAMAH_CHOICE && info.default_text != nullptr) {
@@ -303,12 +453,14 @@ class Compiler {
     switch (info.kind) {
       case BRAMAH_TEXT:
         if (value->text() == nullptr) {
-          faults_.add("wrong-kind", where, description(*value), "text", "put it in quotation marks");
+          faults_.add("wrong-kind", where, named(where) + " is " + description(*value), "text", "put it in double quotes");
+          draft.texts[index] = "1";
           return;
         }
         draft.texts[index] = *value->text();
         if (std::string_view(info.name) == "unit" && !parse_unit(*value->text())) {
-          faults_.add("unknown-unit", where, "unit \"" + *value->text() + "\"", "a unit such as \"N.m\"", "`bramah describe units` lists them");
+          faults_.add("unknown-unit", where, "\"" + *value->text() + "\" is no unit", "a unit such as \"N.m\" or \"1\"",
+                      "write products with a dot: N.m, kg.m^2, m^3/(s.Pa^0.5)");
           draft.texts[index] = "1";
         }
         return;
@@ -317,7 +469,7 @@ class Compiler {
         if (chosen < 0) {
           std::vector<std::string> words;
           for (const char* const* word = info.choices; *word != nullptr; ++word) words.emplace_back(*word);
-          faults_.add("wrong-choice", where, description(*value), "one of: " + quoted_list(words),
+          faults_.add("wrong-choice", where, named(where) + " is " + description(*value), "one of: " + quoted_list(words),
                       value->text() == nullptr ? "write one of these words" : suggestion(*value->text(), words, "write one of these words"));
           return;
         }
@@ -333,13 +485,14 @@ class Compiler {
       default: break;
     }
     if (value->list() == nullptr) {
-      faults_.add("wrong-kind", where, description(*value),
-                  info.kind == BRAMAH_VECTOR ? "a list of " + std::to_string(info.count) + " numbers in " + unit : "a list of numbers in " + unit,
-                  "write [a, b, ...]");
+      faults_.add("wrong-kind", where, named(where) + " is " + description(*value), list_of(info, unit),
+                  info.kind == BRAMAH_VECTOR && info.count == 2 ? "write [a, b]" : info.kind == BRAMAH_VECTOR && info.count == 3 ? "write [a, b, c]" : "write [a, b, ...]");
       return;
     }
     if (info.kind == BRAMAH_VECTOR && static_cast<Index>(value->list()->size()) != info.count) {
-      faults_.add("wrong-length", where, description(*value), "a list of " + std::to_string(info.count) + " numbers", "");
+      const bool more = static_cast<Index>(value->list()->size()) > info.count;
+      faults_.add("wrong-length", where, named(where) + " is " + description(*value), list_of(info, unit),
+                  more ? "remove what is too much" : "add what is missing");
       return;
     }
     std::size_t k = 0;
@@ -352,6 +505,12 @@ class Compiler {
     }
   }
 
+  static std::string list_of(const bramah_parameter_info& info, const std::string& unit) {
+    std::string text = "a list of ";
+    if (info.kind == BRAMAH_VECTOR) text += std::to_string(info.count) + " ";
+    return text + "numbers" + (unit.empty() || unit == "1" ? "" : " in " + unit) + ": " + info.doc;
+  }
+
   static int choice_index(const bramah_parameter_info& info, std::string_view word) {
     for (int k = 0; info.choices[k] != nullptr; ++k) {
       if (word == info.choices[k]) return k;
@@ -362,20 +521,21 @@ class Compiler {
   void check_limits(const bramah_parameter_info& info, double number, std::string_view unit, const std::string& where) {
     const bool low = number < info.lower || (info.lower_open != 0 && number == info.lower);
     const bool high = number > info.upper || (info.upper_open != 0 && number == info.upper);
-    if (!low && !high && std::isfinite(number)) return;
+    if (!low && !high) return;
     std::string expected;
     if (std::isfinite(info.lower)) expected = (info.lower_open != 0 ? "above " : "at least ") + with_unit(info.lower, unit);
     if (std::isfinite(info.upper)) {
       expected += (expected.empty() ? "" : " and ") + std::string(info.upper_open != 0 ? "below " : "at most ") + with_unit(info.upper, unit);
     }
-    faults_.add("out-of-range", where, with_unit(number, unit), expected.empty() ? "a finite number" : expected, info.doc);
+    faults_.add("out-of-range", where, named(where) + " is " + with_unit(number, unit), expected + ": " + info.doc,
+                "correct the number, or its unit");
   }
 
   void make_instances() {
     std::map<const bramah_type*, Index> counts;
     std::vector<const bramah_type*> order;
     for (const Draft& draft : drafts_) {
-      if (counts[draft.type]++ == 0) order.push_back(draft.type);
+      if (draft.sound && counts[draft.type]++ == 0) order.push_back(draft.type);
     }
     std::map<const bramah_type*, Index> group_of;
     system().groups.reserve(order.size());
@@ -385,6 +545,10 @@ class Compiler {
     }
     for (std::size_t k = 0; k < drafts_.size(); ++k) {
       Draft& draft = drafts_[k];
+      if (!draft.sound) {
+        system().components.push_back({draft.name, draft.type, -1, -1});
+        continue;
+      }
       draft.group = group_of[draft.type];
       Group& group = system().groups[static_cast<std::size_t>(draft.group)];
       draft.position = static_cast<Index>(group.component.size());
@@ -424,9 +588,10 @@ class Compiler {
     System& s = system();
     for (std::size_t k = 0; k < drafts_.size(); ++k) {
       Draft& draft = drafts_[k];
+      if (draft.type == nullptr) continue;
       const bramah_type& type = *draft.type;
       const auto component = static_cast<Index>(k);
-      const void* instance = s.groups[static_cast<std::size_t>(draft.group)].instances.at(draft.position);
+      const void* instance = draft.sound ? s.groups[static_cast<std::size_t>(draft.group)].instances.at(draft.position) : nullptr;
       draft.first_x = s.n();
       draft.first_z = s.nz();
       std::vector<double> x, v, z;
@@ -441,7 +606,7 @@ class Compiler {
         (info.family == BRAMAH_X ? s.x : s.z).push_back(std::move(variable));
       }
       v.assign(x.size(), 0.0);
-      if (type.start != nullptr) type.start(type.self, instance, x.data(), v.data(), z.data());
+      if (type.start != nullptr && draft.sound) type.start(type.self, instance, x.data(), v.data(), z.data());
       for (std::size_t i = 0; i < x.size(); ++i) {
         Variable& variable = s.x[static_cast<std::size_t>(draft.first_x) + i];
         variable.start = x[i];
@@ -467,7 +632,7 @@ class Compiler {
       add_rows(s.outputs, type.outputs, type.output_count);
       if (const auto* constants = extension<bramah_constants>(type, BRAMAH_EXTENSION_CONSTANTS)) {
         draft.constants.resize(static_cast<std::size_t>(constants->count));
-        constants->values(type.self, instance, draft.constants.data());
+        if (draft.sound) constants->values(type.self, instance, draft.constants.data());
       }
       if (const auto* signal = extension<bramah_signal>(type, BRAMAH_EXTENSION_SIGNAL)) {
         draft.input = s.nu();
@@ -478,9 +643,9 @@ class Compiler {
         s.inputs.push_back({draft.name, unit, &type, signal, instance, component});
       }
     }
-    if (s.n() + s.nz() == 0) {
+    if (s.n() + s.nz() == 0 && faults_.list.empty()) {
       faults_.add("no-variables", "/components", "components without any variable", "at least one body, volume or other owner of variables",
-                  "add what moves or stores");
+                  "add what moves or stores", true);
     }
   }
 
@@ -505,7 +670,15 @@ class Compiler {
     }
     std::map<const bramah_port_info*, Index> rests;
     for (Draft& draft : drafts_) {
+      if (draft.type == nullptr) continue;
       const bramah_type& type = *draft.type;
+      for (std::int32_t i = 0; i < type.port_count; ++i) check_connected(draft, type.ports[i]);
+      if (!draft.sound) {
+        for (std::int32_t i = 0; i < type.port_count; ++i) {
+          if (const Value* value = draft.value->find(type.ports[i].name)) resolve(draft, type.ports[i], *value);
+        }
+        continue;
+      }
       Group& group = s.groups[static_cast<std::size_t>(draft.group)];
       std::vector<std::int32_t>* maps[3] = {&group.x, &group.z, &group.u};
       for (std::int32_t i = 0; i < type.port_count; ++i) {
@@ -549,12 +722,46 @@ class Compiler {
     return terminal.source == BRAMAH_SIGNAL || (port.family == BRAMAH_U && terminal.family == BRAMAH_Z);
   }
 
+  /// What the scene offers to a port: names as it would write them.
+  [[nodiscard]] std::vector<std::string> fitting(const bramah_port_info& port) const {
+    std::vector<std::string> names;
+    for (const Draft& other : drafts_) {
+      if (other.type == nullptr) continue;
+      bool first = true;  // the terminal that the name of the component alone stands for
+      for (std::int32_t i = 0; i < other.type->terminal_count; ++i) {
+        const bramah_terminal_info& terminal = other.type->terminals[i];
+        if (!fits(port, terminal)) continue;
+        const bool alone = first && (port.slots > 1 || other.type->terminal_count == 1);
+        first = false;
+        if (fits_unit(port, terminal, other)) names.push_back(alone ? other.name : other.name + "." + terminal.name);
+      }
+    }
+    return names;
+  }
+
+  [[nodiscard]] std::string wanted(const bramah_port_info& port) const {
+    const std::vector<std::string> names = fitting(port);
+    const std::string unit = port.unit[0] == '\0' || port.unit == std::string_view("1") ? "" : std::string(" in ") + port.unit;
+    return std::string("a component with a ") + spoken(port.kind) + unit + " (" + port.doc + ")" +
+           (names.empty() ? "; the scene has none" : ": " + quoted_list(names));
+  }
+
+  static std::string spoken(std::string kind) {
+    std::replace(kind.begin(), kind.end(), '_', ' ');
+    return kind == "input" ? "signal" : kind;
+  }
+
+  void check_connected(const Draft& draft, const bramah_port_info& port) {
+    if (port.required == 0 || draft.value->find(port.name) != nullptr || draft.meant.count(port.name) > 0) return;
+    faults_.add("missing-port", draft.where, std::string("port \"") + port.name + "\" of " + draft.type->name + " is not connected", wanted(port),
+                std::string("add \"") + port.name + "\" to \"" + draft.name + '"', true);
+  }
+
   /// Position in State's vectors of what the port connects to; 0 after a fault.
   Index resolve(const Draft& draft, const bramah_port_info& port, const Value& value) {
     const std::string where = pointer(draft.where, port.name);
-    const std::string wanted = std::string("the name of a component with a ") + port.kind;
     if (value.text() == nullptr) {
-      faults_.add("wrong-kind", where, description(value), wanted + ", as text", "write \"component\" or \"component.terminal\"");
+      faults_.add("wrong-kind", where, named(where) + " is " + description(value), wanted(port), "write \"component\" or \"component.terminal\"");
       return 0;
     }
     const std::string& reference = *value.text();
@@ -562,32 +769,40 @@ class Compiler {
     const std::string name = reference.substr(0, dot);
     const auto found = by_name_.find(name);
     if (found == by_name_.end()) {
-      std::vector<std::string> fitting;
-      for (const Draft& other : drafts_) {
-        for (std::int32_t i = 0; i < other.type->terminal_count; ++i) {
-          if (fits(port, other.type->terminals[i])) {
-            fitting.push_back(other.name);
-            break;
-          }
-        }
-      }
-      faults_.add("unknown-component", where, "component \"" + name + "\"", wanted + (fitting.empty() ? "; the scene has none" : ": " + quoted_list(fitting)),
-                  suggestion(name, fitting, "check the spelling, or add the component"));
+      std::vector<std::string> names = fitting(port);
+      for (const Draft& other : drafts_) names.push_back(other.name);
+      const std::string meant = closest(reference, names);
+      faults_.add("unknown-component", where, named(where) + " is \"" + reference + "\", and there is no component \"" + name + '"', wanted(port),
+                  meant.empty() ? suggestion(name, names, "check the spelling, or add the component") : "did you mean \"" + meant + "\"?");
       return 0;
     }
     Draft& other = drafts_[found->second];
-    std::vector<std::string> terminals;
+    if (other.type == nullptr) return 0;  // reported already
+    std::vector<std::string> terminals, names;
     const bramah_terminal_info* chosen = nullptr;
     for (std::int32_t i = 0; i < other.type->terminal_count; ++i) {
       const bramah_terminal_info& terminal = other.type->terminals[i];
-      terminals.push_back(other.name + "." + terminal.name + " (" + terminal.kind + ")");
-      const bool named = dot != std::string::npos && reference.substr(dot + 1) == terminal.name;
-      if (chosen == nullptr && (named || (dot == std::string::npos && fits(port, terminal)))) chosen = &terminal;
+      names.push_back(other.name + "." + terminal.name);
+      terminals.push_back(names.back() + " (" + spoken(terminal.kind) + ")");
+      const bool is_named = dot != std::string::npos && reference.substr(dot + 1) == terminal.name;
+      if (chosen == nullptr && (is_named || (dot == std::string::npos && fits(port, terminal)))) chosen = &terminal;
     }
     if (chosen == nullptr || !fits(port, *chosen)) {
-      faults_.add("wrong-terminal", where, "\"" + reference + "\"" + (chosen == nullptr ? std::string(", which ") + other.type->name + (dot == std::string::npos ? " has no fitting terminal for" : " does not have") : std::string(", a ") + chosen->kind),
-                  std::string("a ") + port.kind + (terminals.empty() ? "; this component has no terminals" : "; it has " + quoted_list(terminals)),
-                  "connect \"" + std::string(port.name) + "\" to another component");
+      std::string is = named(where) + " is \"" + reference + "\", ", remedy;
+      if (chosen != nullptr) {
+        is += "a " + spoken(chosen->kind);
+      } else {
+        const bool is_variable = dot != std::string::npos && (system().find_x(reference) >= 0 || system().find_z(reference) >= 0);
+        is += is_variable                ? "a variable that nothing can be connected to"
+              : dot != std::string::npos ? "and " + std::string(other.type->name) + " has no terminal \"" + reference.substr(dot + 1) + '"'
+                                         : "a " + std::string(other.type->name) + " without " + spoken(port.kind);
+        if (dot != std::string::npos) remedy = suggestion(reference, names, "");
+      }
+      if (remedy.empty()) {
+        remedy = terminals.empty() ? "nothing can be connected to \"" + name + "\"; name another component"
+                                   : "\"" + name + "\" offers " + listed(terminals) + "; name another component or terminal";
+      }
+      faults_.add("wrong-terminal", where, is, wanted(port), remedy);
       return 0;
     }
     check_units(port, *chosen, other, where);
@@ -598,13 +813,26 @@ class Compiler {
     }
   }
 
-  void check_units(const bramah_port_info& port, const bramah_terminal_info& terminal, const Draft& other, const std::string& where) {
-    const std::string offered = parameter_unit(*other.type, terminal.unit, other);
-    if (port.unit[0] == '\0' || offered.empty() || port.slots != 1) return;
+  static std::string listed(const std::vector<std::string>& items) {
+    std::string text;
+    for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
+    return text;
+  }
+
+  static bool fits_unit(const bramah_port_info& port, const bramah_terminal_info& terminal, const Draft& other) {
+    if (port.slots != 1 || port.unit[0] == '\0') return true;
+    const std::string offered = other.texts.empty() && terminal.unit[0] == '@' ? "" : parameter_unit(*other.type, terminal.unit, other);
+    if (offered.empty()) return true;
     const std::optional<Unit> a = parse_unit(port.unit), b = parse_unit(offered);
-    if (a && b && a->same_dimension(*b)) return;
-    faults_.add("wrong-unit", where, "\"" + other.name + "\" in " + offered, std::string("a signal or variable in ") + port.unit,
-                "give \"" + other.name + "\" the unit \"" + port.unit + "\", or connect something else");
+    return a && b && a->same_dimension(*b);
+  }
+
+  void check_units(const bramah_port_info& port, const bramah_terminal_info& terminal, const Draft& other, const std::string& where) {
+    if (fits_unit(port, terminal, other) || (!other.sound && terminal.unit[0] == '@')) return;
+    const std::string offered = parameter_unit(*other.type, terminal.unit, other);
+    faults_.add("wrong-unit", where, named(where) + " is \"" + other.name + "\", " + (offered == "1" ? "which has no unit" : "in " + offered), wanted(port),
+                terminal.unit[0] == '@' ? "give \"" + other.name + "\" the " + (terminal.unit + 1) + " \"" + port.unit + "\", or name another component"
+                                        : std::string("name another component or terminal"));
   }
 
   void read_start() {
@@ -629,12 +857,13 @@ class Compiler {
           r->second->start_rate = *number;
           r->second->start_rate_given = true;
         }
-      } else {
+      } else if (!faults_.is_unread(member.key)) {
         std::vector<std::string> names;
         for (const auto& [name, unused] : positions) names.push_back(name);
         for (const auto& [name, unused] : rates) names.push_back(name);
         std::sort(names.begin(), names.end());
-        faults_.add("unknown-variable", where, "variable \"" + member.key + "\"", "a variable of the scene: " + quoted_list(names),
+        faults_.add("unknown-variable", where, "there is no variable \"" + member.key + "\"",
+                    names.empty() ? "a variable; the scene has none" : "a variable of the scene: " + quoted_list(related(member.key, names)),
                     suggestion(member.key, names, "`bramah check SCENE` lists all variables"), true);
       }
     }
@@ -737,24 +966,28 @@ class Compiler {
         }
       }
     }
+    const auto of = [&](const Variable& v) { return drafts_[static_cast<std::size_t>(v.component)].where; };
     for (std::size_t i = 0; i < s.x.size(); ++i) {
       if (x_held[i]) continue;
-      faults_.add("no-equation", drafts_[static_cast<std::size_t>(s.x[i].component)].where, "coordinate " + s.x[i].name + " has neither inertia nor a constraint",
-                  "a body's mass or a constraint that acts on it", "connect it, or remove it", true);
+      faults_.add("no-equation", of(s.x[i]), "coordinate " + s.x[i].name + " has neither inertia nor a constraint",
+                  "a body's mass or a constraint that acts on it", "connect what has mass or constrains it, or remove it", true);
     }
     for (std::size_t i = 0; i < s.z.size(); ++i) {
       if (z_held[i]) continue;
-      faults_.add("no-equation", drafts_[static_cast<std::size_t>(s.z[i].component)].where, s.z[i].name + " has no storage, so its rate is undefined",
-                  "a hose, a cylinder chamber or another component that stores there", "connect one, or use a pressure source", true);
+      const bool pressure = s.z[i].kind == "pressure";
+      faults_.add("no-equation", of(s.z[i]), s.z[i].name + " has no storage, so its rate is undefined",
+                  pressure ? "a hose, a cylinder chamber or another component that stores there" : "a component that stores there",
+                  pressure ? "connect one, or make it a pressure source" : "connect one, or remove it", true);
     }
   }
 
   const Scene& scene_;
   std::shared_ptr<Registry> registry_;
+  std::vector<Diagnostic> earlier_;
   compiling::Faults faults_;
   Numbers numbers_;
   std::vector<std::string> libraries_;
-  std::set<std::string> broken_libraries_;
+  std::set<std::string> broken_libraries_, forgotten_libraries_;
   std::vector<Draft> drafts_;
   std::unordered_map<std::string, std::size_t> by_name_;
   Compiled compiled_;
@@ -762,8 +995,8 @@ class Compiler {
 
 }  // namespace
 
-Compiled compile(const Scene& scene, std::shared_ptr<Registry> registry) {
-  return Compiler(scene, std::move(registry)).run();
+Compiled compile(const Scene& scene, std::shared_ptr<Registry> registry, std::vector<Diagnostic> earlier) {
+  return Compiler(scene, std::move(registry), std::move(earlier)).run();
 }
 
 }  // namespace bramah

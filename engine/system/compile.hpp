@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "plugin/registry.hpp"
 #include "system/diagnostic.hpp"
@@ -17,7 +18,8 @@ struct Compiled {
   Options options;
 };
 
-/// Loads the scene's libraries into `registry` and compiles. Throws SceneError.
-Compiled compile(const Scene& scene, std::shared_ptr<Registry> registry);
+/// Loads the scene's libraries into `registry` and compiles. Throws SceneError with every fault of the scene, after the
+/// `earlier` ones that reading it has found.
+Compiled compile(const Scene& scene, std::shared_ptr<Registry> registry, std::vector<Diagnostic> earlier = {});
 
 }  // namespace bramah

@@ -79,8 +79,9 @@ class OptionReader {
   void number(const Value& value, const std::string& where, std::string_view unit, double least, double& result, bool strictly) {
     const auto read = numbers_.read(value, where, unit);
     if (!read) return;
-    if (!std::isfinite(*read) || *read < least || (strictly && *read == least)) {
-      faults_.add("out-of-range", where, with_unit(*read, unit), (strictly ? "above " : "at least ") + with_unit(least, unit), "");
+    if (*read < least || (strictly && *read == least)) {
+      faults_.add("out-of-range", where, named(where) + " is " + with_unit(*read, unit), (strictly ? "above " : "at least ") + with_unit(least, unit),
+                  "correct the number, or its unit");
       return;
     }
     result = *read;
@@ -88,7 +89,8 @@ class OptionReader {
 
   void numbers(const Value& value, const std::string& where, std::string_view unit, std::vector<double>& result) {
     if (value.list() == nullptr) {
-      faults_.add("wrong-kind", where, description(value), "a list of numbers in " + std::string(unit), "write [a, b, ...]");
+      faults_.add("wrong-kind", where, named(where) + " is " + description(value),
+                  "a list of numbers" + (unit == "1" ? std::string() : " in " + std::string(unit)), "write [a, b, ...]");
       return;
     }
     std::size_t k = 0;
@@ -107,21 +109,22 @@ class OptionReader {
         return;
       }
     }
-    faults_.add("wrong-choice", where, description(value), "one of: " + quoted_list(known),
+    faults_.add("wrong-choice", where, named(where) + " is " + description(value), "one of: " + quoted_list(known),
                 value.text() == nullptr ? "write one of these words" : suggestion(*value.text(), known, "write one of these words"));
   }
 
   /// Names of x or z variables.
   void variables(const Value& list, const std::string& where, std::vector<Index>& x, std::vector<Index>* z) {
     if (list.list() == nullptr) {
-      faults_.add("wrong-kind", where, description(list), "a list of names of variables", "write [\"crank.angle\"]");
+      faults_.add("wrong-kind", where, named(where) + " is " + description(list), "a list of names of variables",
+                  list.text() == nullptr ? "write [\"component.variable\"]" : "put it in brackets: [ ... ]");
       return;
     }
     std::size_t k = 0;
     for (const Value& item : *list.list()) {
       const std::string here = pointer(where, k++);
       if (item.text() == nullptr) {
-        faults_.add("wrong-kind", here, description(item), "the name of a variable", "put it in quotation marks");
+        faults_.add("wrong-kind", here, named(here) + " is " + description(item), "the name of a variable", "put it in double quotes");
         continue;
       }
       std::vector<Index>* target = &x;
@@ -131,13 +134,15 @@ class OptionReader {
         target = z;
       }
       if (index < 0) {
+        if (faults_.is_unread(*item.text())) continue;
         std::vector<std::string> names;
         for (const Variable& v : system_.x) names.push_back(v.name);
         for (const Variable& v : system_.z) {
           if (z != nullptr) names.push_back(v.name);
         }
-        faults_.add("unknown-variable", here, "variable \"" + *item.text() + "\"",
-                    std::string(z == nullptr ? "a coordinate" : "a variable") + " of the scene: " + quoted_list(names),
+        const std::string kind = z == nullptr ? "coordinate" : "variable";
+        faults_.add("unknown-variable", here, "there is no " + kind + " \"" + *item.text() + "\"",
+                    "a " + kind + (names.empty() ? "; the scene has none" : " of the scene: " + quoted_list(related(*item.text(), names))),
                     suggestion(*item.text(), names, "`bramah check SCENE` lists all variables"));
         continue;
       }
@@ -152,32 +157,35 @@ class OptionReader {
   void outputs(const Value& root, std::vector<Measured>& result) {
     const Value* list = root.find("outputs");
     if (list == nullptr || list->list() == nullptr) {
-      for (Index i = 0; i < system_.n(); ++i) result.push_back(measured(system_.x[static_cast<std::size_t>(i)].name));
-      for (Index i = 0; i < system_.nz(); ++i) result.push_back(measured(system_.z[static_cast<std::size_t>(i)].name));
-      for (const Row& row : system_.outputs) result.push_back(measured(row.name));
+      const auto all = [&](Measured::Kind kind, const auto& named) {
+        for (const auto& one : named) result.push_back({kind, &one - named.data(), one.name, one.unit});
+      };
+      all(Measured::Kind::x, system_.x);
+      all(Measured::Kind::z, system_.z);
+      all(Measured::Kind::y, system_.outputs);
       return;
     }
     std::size_t k = 0;
     for (const Value& item : *list->list()) {
       const std::string where = pointer("/outputs", k++);
-      if (item.text() == nullptr) continue;
+      if (item.text() == nullptr) {
+        faults_.add("wrong-kind", where, named(where) + " is " + description(item), "the name of a variable or an output", "put it in double quotes");
+        continue;
+      }
       Measured found;
       if (find_measured(system_, *item.text(), found)) {
         result.push_back(found);
         continue;
       }
+      if (faults_.is_unread(*item.text())) continue;
       const std::vector<std::string> names = measured_names(system_);
-      faults_.add("unknown-output", where, "output \"" + *item.text() + "\"", "a variable, a multiplier or an output: " + quoted_list(names),
+      faults_.add("unknown-output", where, "there is no variable, multiplier or output \"" + *item.text() + "\"",
+                  names.empty() ? "a name; the scene has none" : "one of: " + quoted_list(related(*item.text(), names)),
                   suggestion(*item.text(), names, "`bramah check SCENE` lists all names"));
     }
   }
 
  private:
-  Measured measured(const std::string& name) const {
-    Measured found;
-    find_measured(system_, name, found);
-    return found;
-  }
 
   const System& system_;
   Numbers& numbers_;
@@ -225,10 +233,11 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
                    }
                  });
   if (simulate.asked && !(simulate.to_time > simulate.from_time)) {
-    faults.add("out-of-range", "/simulate/to_time", with_unit(simulate.to_time, "s"), "above from_time = " + with_unit(simulate.from_time, "s"), "set an end time");
+    faults.add("out-of-range", "/simulate/to_time", "the simulation ends at to_time = " + with_unit(simulate.to_time, "s"),
+               "a time after from_time = " + with_unit(simulate.from_time, "s"), "set \"to_time\"");
   }
   if (!std::is_sorted(simulate.output_times.begin(), simulate.output_times.end())) {
-    faults.add("out-of-range", "/simulate/output_times", "times that go back", "ascending times", "sort them");
+    faults.add("out-of-range", "/simulate/output_times", "\"output_times\" go back", "ascending times", "sort them");
   }
 
   LinearizeOptions& linearize = options.linearize;
@@ -245,8 +254,8 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
 
   reader.section(root, "compare", {"steps"}, [&](const std::string&, const Value& value, const std::string& where) {
     reader.numbers(value, where, "1", options.compare.steps);
-    for (const double h : options.compare.steps) {
-      if (!(h > 0.0)) faults.add("out-of-range", where, with_unit(h, "1"), "steps above 0", "");
+    if (std::any_of(options.compare.steps.begin(), options.compare.steps.end(), [](double h) { return !(h > 0.0); })) {
+      faults.add("out-of-range", where, "\"steps\" are not all above 0", "step sizes h > 0 of Eq. (100)", "remove or correct them");
     }
   });
   reader.section(root, "study", {"linear_from"}, [&](const std::string&, const Value& value, const std::string& where) {

@@ -1,0 +1,41 @@
+// The pictures and the page of a study.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/comparison.hpp"
+#include "app/overlay.hpp"
+#include "io/plot.hpp"
+#include "linear/spectrum.hpp"
+
+namespace bramah {
+
+/// All that a study has found; what the scene did not ask for is missing.
+struct StudyResults {
+  Equilibrium equilibrium;
+  Linearization linear;
+  Spectrum spectrum;
+  std::optional<Transient> transient;
+  Recording recording;
+  std::optional<Overlay> overlay;
+  std::optional<Comparison> comparison;
+  std::vector<std::string> remarks;
+};
+
+struct StudyFigures {
+  std::vector<plot::Figure> transient;  // one for each output shown
+  std::vector<std::pair<std::string, plot::Figure>> others;  // file name without extension
+};
+StudyFigures study_figures(const Context& context, const StudyResults& results);
+
+/// The transients one below the other in a single file.
+std::string stacked_svg(const std::vector<plot::Figure>& figures);
+
+std::string study_page(const Context& context, const StudyResults& results, const StudyFigures& figures);
+
+Table overlay_table(const Overlay& overlay);
+
+}  // namespace bramah

@@ -1,0 +1,175 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "app/failure.hpp"
+#include "app/progress.hpp"
+#include "app/results.hpp"
+#include "app/study_report.hpp"
+#include "app/verbs.hpp"
+
+namespace bramah {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Writes into the results folder and remembers what.
+class Folder {
+ public:
+  explicit Folder(fs::path path) : path_(std::move(path)) { make_folder(path_); }
+  void write(const std::string& name, const std::string& content) {
+    write_file(path_ / name, content);
+    files_.push_back(name);
+  }
+  [[nodiscard]] const fs::path& path() const { return path_; }
+  [[nodiscard]] std::vector<std::string>& files() { return files_; }
+
+ private:
+  fs::path path_;
+  std::vector<std::string> files_;
+};
+
+/// The scene's options with an output where the overlay begins.
+SimulateOptions simulate_options(const Context& context) {
+  SimulateOptions options = context.options().simulate;
+  const double from = context.options().study.linear_from;
+  if (from <= options.from_time || from >= options.to_time) return options;
+  const bool every_step = options.output_step == 0.0 && options.output_times.empty();
+  const double grid = options.output_step > 0.0 ? (from - options.from_time) / options.output_step : 0.5;
+  if (every_step || std::abs(grid - std::round(grid)) < 1e-9) return options;
+  auto& times = options.output_times;
+  const auto place = std::lower_bound(times.begin(), times.end(), from);
+  if (place == times.end() || *place != from) times.insert(place, from);
+  return options;
+}
+
+void simulate_study(const Context& context, Folder& folder, StudyResults& results) {
+  const SimulateOptions options = simulate_options(context);
+  const State* start = options.from == SimulateOptions::From::equilibrium ? &results.equilibrium.state : nullptr;
+  OutputFile csv(folder.path() / "time_series.csv");
+  csv.write(csv_header(context.options().outputs));
+  const double linear_from = context.options().study.linear_from;
+  try {
+    results.transient = run_transient(context, options, start, true, [&](const State& state, const Vector& values) {
+      csv.write(csv_row(state.t, values));
+      results.recording.take(context.system(), state, values, linear_from);
+    });
+  } catch (const AnalysisError&) {
+    say("results up to the failure are in " + csv.leave_part().string() + '\n');
+    throw;
+  }
+  csv.commit();
+  folder.files().emplace_back("time_series.csv");
+  if (results.transient->interrupted) {
+    results.remarks.push_back("The simulation was interrupted at t = " + short_number(results.transient->last_time) + " s.");
+  }
+}
+
+void overlay_study(const Context& context, Folder& folder, StudyResults& results) {
+  if (results.recording.from.empty()) {
+    results.remarks.push_back("The simulation ends before study.linear_from = " + short_number(context.options().study.linear_from) +
+                              " s: there is no linear overlay.");
+    return;
+  }
+  if (!results.linear.at_equilibrium) {
+    results.remarks.emplace_back("The linear model is that of the start state, not of the equilibrium: there is no linear overlay.");
+    return;
+  }
+  results.overlay = overlay_linear(context, results.linear, results.recording);
+  std::string csv = csv_header(context.options().outputs);
+  for (std::size_t k = 0; k < results.overlay->linear.size(); ++k) {
+    csv += csv_row(results.recording.times[results.overlay->first + k], results.overlay->linear[k]);
+  }
+  folder.write("linear_response.csv", csv);
+}
+
+std::string summary(const Context& context, const StudyResults& results, Folder& folder) {
+  JsonWriter json;
+  json.begin_object().member("scene", context.scene.source.name).member("title", context.options().study.title);
+  json.member("bramah", BRAMAH_VERSION).key("settings").values(context.arguments.settings);
+  json.member("folder", folder.path().string());
+  write_sizes(json, sizes_of(context.system(), &results.linear.partition));
+  Eigenvalues eigenvalues;
+  for (const Mode& mode : results.spectrum.modes) eigenvalues.push_back(mode.eigenvalue);
+  write_eigenvalues(json, "eigenvalues", eigenvalues);
+  if (results.transient) {
+    json.key("simulation").begin_object();
+    write_statistics(json, *results.transient);
+    json.end_object().key("units").begin_object().member("time", "s");
+    for (const Measured& output : context.options().outputs) json.member(output.name, output.unit);
+    json.end_object();
+  }
+  if (results.overlay) {
+    json.key("overlay").begin_object().member("from", results.overlay->from).key("errors").begin_object();
+    for (const Overlay::Error& error : results.overlay->errors) {
+      json.key(error.name).begin_flat_object().member("deviation", error.deviation).member("largest", error.largest);
+      json.member("peak", error.peak);
+      json.member("relative", error.relative()).end_object();
+    }
+    json.end_object().end_object();
+  }
+  json.key("remarks").values(results.remarks);
+  folder.files().emplace_back("summary.json");
+  json.key("files").values(folder.files()).end_object();
+  return json.take();
+}
+
+std::string text(const Context& context, const StudyResults& results, const Folder& folder) {
+  const Sizes sizes = sizes_of(context.system(), &results.linear.partition);
+  std::string out = context.options().study.title.empty() ? context.scene.source.name : context.options().study.title;
+  out += "\n\nLinear model " + std::to_string(sizes.reduced()) + " x " + std::to_string(sizes.reduced()) + ", without the reduction " +
+         std::to_string(sizes.augmented()) + " x " + std::to_string(sizes.augmented()) + "\n";
+  out += as_text(spectrum_table(results.linear.model, results.spectrum));
+  const std::string notes = linear_notes(context.system(), results.linear);
+  if (!notes.empty()) out += '\n' + notes;
+  if (results.transient) out += "\nSimulation\n" + as_text(statistics_table(*results.transient));
+  if (results.overlay) out += "\nLinear model against simulation\n" + as_text(overlay_table(*results.overlay));
+  if (results.comparison) out += "\nReduced against augmented\n" + as_text(comparison_table(*results.comparison));
+  for (const std::string& remark : results.remarks) out += '\n' + remark + '\n';
+  return out + "\nResults are in " + folder.path().string() + "; open " + (folder.path() / "report.html").string() + '\n';
+}
+
+int run(const Arguments& arguments) {
+  const Context context = load(arguments);
+  Folder folder(arguments.out.empty() ? fs::path("results") / fs::path(arguments.subject).stem() : fs::path(arguments.out));
+  StudyResults results;
+  results.equilibrium = find_equilibrium(context.system(), context.options().equilibrium, context.start_time());
+  folder.write("equilibrium.json", equilibrium_document(context.system(), results.equilibrium));
+  results.linear = linearize(context);
+  folder.write("linear_model.json", linear_document(context.system(), results.linear));
+  results.spectrum = find_spectrum(results.linear.model);
+  folder.write("spectrum.json", spectrum_document(results.linear.model, results.spectrum));
+  if (context.options().simulate.asked) simulate_study(context, folder, results);
+  if (results.transient && context.options().study.linear_from >= 0.0) overlay_study(context, folder, results);
+  if (context.scene.root.find("compare") != nullptr) {
+    Progress progress("compare");
+    results.comparison = compare(context, results.linear, [&](double share) { progress.show(share, ""); });
+    folder.write("compare.json", comparison_document(*results.comparison));
+  }
+  const StudyFigures figures = study_figures(context, results);
+  if (!figures.transient.empty()) folder.write("transient.svg", stacked_svg(figures.transient));
+  for (const auto& [name, figure] : figures.others) folder.write(name + ".svg", plot::svg(figure, true));
+  folder.write("report.html", study_page(context, results, figures));
+  const std::string document = summary(context, results, folder);
+  write_file(folder.path() / "summary.json", document);
+  print(arguments.json ? document : text(context, results, folder));
+  return results.transient && results.transient->interrupted ? exit_interrupted : exit_ok;
+}
+
+}  // namespace
+
+constinit const Verb verb_study = {
+    "study", "SCENE", "all that the scene asks for, into a folder with a report",
+    R"(Finds the equilibrium, linearizes, computes the spectrum; simulates if the scene has "simulate", with the linear model
+beside it from "study": {"linear_from": time} on; compares if the scene has "compare". Without --out the folder is
+results/NAME-OF-SCENE. Open report.html in a browser; it needs nothing else.
+
+Examples
+  bramah study scenes/four_bar/overdamped.json --out results/four_bar
+
+Writes equilibrium.json, linear_model.json, spectrum.json, time_series.csv, linear_response.csv, compare.json,
+transient.svg, spectrum.svg, compare_*.svg, report.html, summary.json. --json prints the summary.
+)",
+    run};
+
+}  // namespace bramah

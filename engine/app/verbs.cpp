@@ -1,0 +1,13 @@
+#include "app/verbs.hpp"
+
+#include <array>
+
+namespace bramah {
+
+std::span<const Verb* const> all_verbs() {
+  static constexpr std::array<const Verb*, 9> verbs = {&verb_check,    &verb_list,      &verb_describe, &verb_equilibrium, &verb_simulate,
+                                                       &verb_linearize, &verb_modes,     &verb_compare,  &verb_study};
+  return verbs;
+}
+
+}  // namespace bramah

@@ -1,0 +1,83 @@
+#include "linear/staircase.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bramah {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+/// An orthonormal basis [null space, complement] of M's columns; `rank` by pivoted QR of the row-equilibrated matrix,
+/// which has the same null space and comparable rows: a fast row cannot hide a slow one.
+MatrixXd split(MatrixXd M, double tolerance, Index& nullity, double& accepted, double& refused) {
+  const Index n = M.rows();
+  for (Index i = 0; i < n; ++i) {
+    const double norm = M.row(i).norm();
+    if (norm > 0.0) M.row(i) /= norm;
+  }
+  // M^T P = Q R: the last columns of Q span the null space of M.
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(M.transpose());
+  Index rank = 0;
+  for (Index i = 0; i < n; ++i) {
+    const double pivot = std::abs(qr.matrixQR()(i, i));
+    if (pivot <= tolerance) {
+      refused = std::max(refused, pivot);
+    } else {
+      accepted = std::min(accepted, pivot);
+      rank = i + 1;
+    }
+  }
+  nullity = n - rank;
+  const MatrixXd Q = qr.householderQ();
+  MatrixXd ordered(n, n);
+  ordered << Q.rightCols(nullity), Q.leftCols(rank);
+  return ordered;
+}
+
+}  // namespace
+
+Index Staircase::zeros() const {
+  Index sum = 0;
+  for (const Index step : steps) sum += step;
+  return sum;
+}
+
+std::vector<int> Staircase::block_sizes() const {
+  if (steps.empty()) return {};
+  std::vector<int> sizes(static_cast<std::size_t>(steps.front()), 0);
+  for (const Index step : steps) {
+    for (Index k = 0; k < step; ++k) ++sizes[static_cast<std::size_t>(k)];
+  }
+  return sizes;
+}
+
+Staircase find_staircase(const MatrixXd& A, double tolerance) {
+  Staircase result;
+  const Index n = A.rows();
+  result.Q = MatrixXd::Identity(n, n);
+  result.triangular = A;
+  for (Index done = 0; done < n;) {
+    const Index size = n - done;
+    Index nullity = 0;
+    const MatrixXd rest = result.triangular.bottomRightCorner(size, size);
+    // What rounding left of an exact zero matrix is zero.
+    const double floor = 1e-15 * std::max(1.0, A.norm()) * static_cast<double>(size);
+    MatrixXd cleaned = rest;
+    for (Index i = 0; i < size; ++i) {
+      if (cleaned.row(i).norm() <= floor) cleaned.row(i).setZero();
+    }
+    const MatrixXd Z = split(cleaned, tolerance, nullity, result.accepted, result.refused);
+    if (nullity == 0) break;
+    result.Q.rightCols(size) = (result.Q.rightCols(size) * Z).eval();
+    result.triangular.rightCols(size) = (result.triangular.rightCols(size) * Z).eval();
+    result.triangular.bottomRows(size) = (Z.transpose() * result.triangular.bottomRows(size)).eval();
+    result.triangular.block(done, done, size, nullity).setZero();
+    result.steps.push_back(nullity);
+    done += nullity;
+  }
+  return result;
+}
+
+}  // namespace bramah

@@ -1,0 +1,27 @@
+// The eigenvalue 0 of a matrix, taken out by rank decisions: null space, null space of what is left, and so on
+// (Kublanovskaya 1966). The dimensions tell the Jordan blocks, and the rest keeps its eigenvalues free of their scatter.
+#pragma once
+
+#include <Eigen/Dense>
+#include <vector>
+
+namespace bramah {
+
+struct Staircase {
+  Eigen::MatrixXd Q;                // (n x n) orthogonal; Q^T A Q is block upper triangular, zeros first
+  Eigen::MatrixXd triangular;       // Q^T A Q
+  std::vector<Eigen::Index> steps;  // dimensions of the null spaces: blocks of size >= 1, >= 2, ...
+  double accepted = 1.0;            // smallest pivot taken for nonzero, relative to the largest of its step
+  double refused = 0.0;             // largest taken for zero
+
+  /// Algebraic multiplicity of zero.
+  [[nodiscard]] Eigen::Index zeros() const;
+  /// Sizes of the Jordan blocks of zero, largest first.
+  [[nodiscard]] std::vector<int> block_sizes() const;
+};
+
+/// `A` should be scaled so that its rows and columns are comparable. A pivot counts as zero below
+/// `tolerance` times the norm of its row.
+Staircase find_staircase(const Eigen::MatrixXd& A, double tolerance = 1e-11);
+
+}  // namespace bramah

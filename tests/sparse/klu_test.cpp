@@ -1,0 +1,76 @@
+#include "sparse/klu.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <Eigen/SparseCore>
+
+namespace bramah::testing {
+namespace {
+
+using Sparse = Eigen::SparseMatrix<double, Eigen::ColMajor, std::int64_t>;
+
+sparse::CscView view(const Sparse& A) { return {A.rows(), A.cols(), A.outerIndexPtr(), A.innerIndexPtr(), A.valuePtr()}; }
+
+Sparse tridiagonal(int n, double diagonal) {
+  Sparse A(n, n);
+  for (int i = 0; i < n; ++i) {
+    A.coeffRef(i, i) = diagonal;
+    if (i > 0) A.coeffRef(i, i - 1) = -1.0;
+    if (i + 1 < n) A.coeffRef(i, i + 1) = -2.0;
+  }
+  A.makeCompressed();
+  return A;
+}
+
+TEST(Klu, SolvesManyRightHandSidesAndTheTranspose) {
+  const Sparse A = tridiagonal(30, 5.0);
+  sparse::Klu lu;
+  lu.analyze(view(A));
+  ASSERT_TRUE(lu.factor(view(A)));
+  const Eigen::MatrixXd exact = Eigen::MatrixXd::Random(30, 7);
+  Eigen::MatrixXd b = A * exact;
+  lu.solve({b.data(), static_cast<std::size_t>(b.size())}, 7);
+  EXPECT_LT((b - exact).norm(), 1e-13 * exact.norm());
+  Eigen::MatrixXd c = A.transpose() * exact;
+  lu.solve_transposed({c.data(), static_cast<std::size_t>(c.size())}, 7);
+  EXPECT_LT((c - exact).norm(), 1e-13 * exact.norm());
+}
+
+TEST(Klu, RefactorsAndRepivotsWhereOldPivotsFail) {
+  Sparse A = tridiagonal(20, 5.0);
+  sparse::Klu lu;
+  lu.analyze(view(A));
+  ASSERT_TRUE(lu.factor(view(A)));
+  // A zero diagonal: the pivots of the first factorization are gone, the matrix is regular (even size).
+  for (int i = 0; i < 20; ++i) A.coeffRef(i, i) = 0.0;
+  ASSERT_TRUE(lu.factor(view(A)));
+  const Eigen::VectorXd exact = Eigen::VectorXd::LinSpaced(20, 1.0, 3.0);
+  Eigen::VectorXd b = A * exact;
+  lu.solve({b.data(), 20});
+  EXPECT_LT((b - exact).norm(), 1e-12 * exact.norm());
+}
+
+TEST(Klu, TellsSingularMatrices) {
+  Sparse A = tridiagonal(5, 0.0);  // odd size, zero diagonal: singular
+  sparse::Klu lu;
+  lu.analyze(view(A));
+  EXPECT_FALSE(lu.factor(view(A)));
+  EXPECT_GE(lu.singular_column(), 0);
+  EXPECT_LT(lu.singular_column(), 5);
+}
+
+TEST(Klu, EstimatesTheCondition) {
+  Sparse A(3, 3);
+  A.coeffRef(0, 0) = 1.0;
+  A.coeffRef(1, 1) = 1e-6;
+  A.coeffRef(2, 2) = 2.0;
+  A.makeCompressed();
+  sparse::Klu lu;
+  lu.analyze(view(A));
+  ASSERT_TRUE(lu.factor(view(A)));
+  EXPECT_NEAR(lu.condition(view(A)), 2e6, 1.0);
+}
+
+}  // namespace
+}  // namespace bramah::testing
