@@ -3,8 +3,8 @@
 //   f(dp) = dp / sqrt(dp_lim)       |dp| < dp_lim     laminar, Pa^0.5
 //   f(dp) = sqrt(|dp|) dp / |dp|    |dp| > dp_lim     turbulent, Pa^0.5
 //
-// Odd and continuous. The slope falls to half at |dp| = dp_lim: whoever uses this declares laminar_margin as a switching
-// function. The paper prints dp where |dp| must be tested.
+// Odd and continuous. The slope falls to half at |dp| = dp_lim: whoever uses this declares laminar_margin as a
+// switching function. The paper prints dp where |dp| must be tested.
 #pragma once
 
 #include <bramah/component.hpp>

@@ -1,4 +1,5 @@
-// A force of fixed direction at a point of a planar body, its magnitude given by a signal: adds (dr/dx)^T F d to Q of Eq. (9).
+// A force of fixed direction at a point of a planar body, its magnitude given by a signal: adds (dr/dx)^T F d to Q of
+// Eq. (9).
 //
 //   r   point       m   body axes
 //   d   direction   1   ground axes, of any length, made a unit vector

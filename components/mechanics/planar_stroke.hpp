@@ -1,5 +1,5 @@
-// The length of a cylinder, a spring or a driver between points of two planar bodies, as a coordinate of its own: pressures, friction
-// and springs then act on s alone. What rows 8 and 9 of Eq. (67) do for s and alpha:
+// The length of a cylinder, a spring or a driver between points of two planar bodies, as a coordinate of its own:
+// pressures, friction and springs then act on s alone. What rows 8 and 9 of Eq. (67) do for s and alpha:
 //
 //   |r_b + A_b point_b - r_a - A_a point_a| - s = 0   m   row length
 //

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "linear/respond.hpp"
 #include "system/measure.hpp"
@@ -20,6 +21,29 @@ void Recording::take(const System& system, const State& state, const Vector& out
   values.push_back(outputs);
   const auto first_input = state.z.begin() + system.nz();
   inputs.emplace_back(first_input, first_input + system.nu());
+}
+
+double settling_time(const Spectrum& spectrum) {
+  double slowest = HUGE_VAL;
+  for (const Mode& mode : spectrum.modes) {
+    if (!mode.zero && mode.eigenvalue.real() < 0.0) slowest = std::min(slowest, -mode.eigenvalue.real());
+  }
+  return std::isfinite(slowest) ? std::log(100.0) / slowest : HUGE_VAL;
+}
+
+std::vector<double> overlay_times(const Spectrum& spectrum, double from, double to) {
+  constexpr double least = 300, most = 3000, per_period = 24;  // points
+  const double length = std::min(1.2 * settling_time(spectrum), to - from);
+  double count = least;
+  for (const Mode& mode : spectrum.modes) {
+    const double periods = std::abs(mode.eigenvalue.imag()) * length / (2.0 * std::numbers::pi);
+    const bool well_damped = -mode.eigenvalue.real() > std::abs(mode.eigenvalue.imag());
+    if (!mode.zero && !well_damped) count = std::max(count, per_period * periods);
+  }
+  count = std::round(std::min(count, most));
+  std::vector<double> times;
+  for (double k = 1; k <= count && from + k * length / count < to; ++k) times.push_back(from + k * length / count);
+  return times;
 }
 
 Overlay overlay_linear(const Context& context, const Linearization& linear, const Recording& recording) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/transient.hpp"
+#include "linear/spectrum.hpp"
 
 namespace bramah {
 
@@ -35,6 +36,12 @@ struct Overlay {
   std::vector<Vector> linear;          // outputs by the linear model, from `first` on
   std::vector<Error> errors;           // one for each output
 };
+
+/// How long the slowest mode that dies takes to fall below 1 %; +infinity where none does.
+double settling_time(const Spectrum& spectrum);
+
+/// Times after `from` at which the modes are seen well, until they have settled or until `to`.
+std::vector<double> overlay_times(const Spectrum& spectrum, double from, double to);
 
 /// The linear model starts from the deviation of the simulated state at study.linear_from and sees the same inputs.
 Overlay overlay_linear(const Context& context, const Linearization& linear, const Recording& recording);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace bramah {
 namespace {
@@ -50,6 +51,28 @@ void write_free_directions(JsonWriter& json, const std::vector<FreeDirection>& d
     json.end_object();
   }
   json.end_list();
+}
+
+/// |left x right| of each state (row) in each mode (column), columns of sum 1: whatever the units.
+Eigen::MatrixXd participation(const LinearModel& model, const Spectrum& spectrum) {
+  Eigen::MatrixXcd right = spectrum.right;
+  for (Eigen::Index i = 0; i < right.rows(); ++i) right.row(i) /= model.states[static_cast<std::size_t>(i)].nominal;
+  const Eigen::MatrixXcd left = right.completeOrthogonalDecomposition().pseudoInverse();
+  Eigen::MatrixXd shares = right.cwiseProduct(left.transpose()).cwiseAbs();
+  for (Eigen::Index k = 0; k < shares.cols(); ++k) shares.col(k) /= std::max(shares.col(k).sum(), 1e-300);
+  return shares;
+}
+
+/// "V2.p 52 %, crank.angle.rate 41 %": the largest three, without trifles.
+std::string involved_states(const LinearModel& model, const Eigen::VectorXd& shares) {
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(shares.size()));
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return shares(a) > shares(b); });
+  std::string text;
+  for (std::size_t k = 0; k < std::min<std::size_t>(3, order.size()) && shares(order[k]) >= 0.1; ++k) {
+    text += (k == 0 ? "" : ", ") + model.states[static_cast<std::size_t>(order[k])].name + " " + short_number(std::round(100.0 * shares(order[k])), 3) + " %";
+  }
+  return text;
 }
 
 }  // namespace
@@ -246,21 +269,17 @@ std::string spectrum_document(const LinearModel& model, const Spectrum& spectrum
 }
 
 Table spectrum_table(const LinearModel& model, const Spectrum& spectrum) {
-  Table table{{"eigenvalue (1/s)", "damping", "frequency", "condition", "moves most"}, {}, "lrrrl"};
+  Table table{{"eigenvalue (1/s)", "damping", "frequency", "condition", "of which states"}, {}, "lrrrl"};
+  const Eigen::MatrixXd shares = participation(model, spectrum);
   for (std::size_t k = 0; k < spectrum.modes.size(); ++k) {
     const Mode& mode = spectrum.modes[k];
-    // Shares in nominals: SI would let every pressure win.
-    Eigen::Index largest = 0;
-    Eigen::VectorXd share = spectrum.right.col(static_cast<Eigen::Index>(k)).cwiseAbs();
-    for (Eigen::Index i = 0; i < share.size(); ++i) share(i) /= model.states[static_cast<std::size_t>(i)].nominal;
-    share.maxCoeff(&largest);
     const double hertz = std::abs(mode.eigenvalue.imag()) / (2.0 * std::numbers::pi);
     const std::string condition = short_number(mode.condition, 2);
     if (mode.zero) {
       table.rows.push_back({"0", "", "", condition, mode.cause});
     } else {
       table.rows.push_back({complex_text(mode.eigenvalue, 15), short_number(-mode.eigenvalue.real() / std::abs(mode.eigenvalue), 4),
-                            hertz > 0.0 ? short_number(hertz, 5) + " Hz" : "", condition, model.states[static_cast<std::size_t>(largest)].name});
+                            hertz > 0.0 ? short_number(hertz, 5) + " Hz" : "", condition, involved_states(model, shares.col(static_cast<Eigen::Index>(k)))});
     }
   }
   return table;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/results.hpp"
 #include "app/study_report.hpp"
 
 namespace bramah {
@@ -35,23 +36,34 @@ std::vector<std::size_t> chosen_outputs(const Context& context, const StudyResul
   return chosen;
 }
 
-plot::Figure transient_figure(const Context& context, const StudyResults& results, std::size_t k) {
+/// The whole run; with `until` the part from the overlay's begin to that time.
+plot::Figure transient_figure(const Context& context, const StudyResults& results, std::size_t k, double until = NAN) {
   const Measured& output = context.options().outputs[k];
   plot::Figure figure;
   figure.title = output.name;
   figure.x = {"time", "s"};
   figure.y = {results.overlay ? "deviation" : "", output.unit};
   const double reference = results.overlay ? results.overlay->reference[k] : 0.0;
-  plot::Series nonlinear{results.overlay ? "simulation" : "", results.recording.times, {}, plot::Style::line, 0};
-  for (const Vector& values : results.recording.values) nonlinear.y.push_back(values[k] - reference);
+  const bool zoomed = !std::isnan(until);
+  if (zoomed) figure.title += ", close";
+  plot::Series nonlinear{results.overlay ? "simulation" : "", {}, {}, plot::Style::line, 0};
+  for (std::size_t i = zoomed ? results.overlay->first : 0; i < results.recording.times.size(); ++i) {
+    if (zoomed && results.recording.times[i] > until) break;
+    nonlinear.x.push_back(results.recording.times[i]);
+    nonlinear.y.push_back(results.recording.values[i][k] - reference);
+  }
   figure.series.push_back(std::move(nonlinear));
   if (results.overlay) {
     const Overlay& overlay = *results.overlay;
     plot::Series linear{"linear model", {}, {}, plot::Style::dashes, 1};
-    linear.x.assign(results.recording.times.begin() + static_cast<std::ptrdiff_t>(overlay.first), results.recording.times.end());
-    for (const Vector& values : overlay.linear) linear.y.push_back(values[k] - reference);
+    for (std::size_t i = 0; i < overlay.linear.size(); ++i) {
+      const double time = results.recording.times[overlay.first + i];
+      if (zoomed && time > until) break;
+      linear.x.push_back(time);
+      linear.y.push_back(overlay.linear[i][k] - reference);
+    }
     figure.series.push_back(std::move(linear));
-    figure.marks.push_back(overlay.from);
+    if (!zoomed) figure.marks.push_back(overlay.from);
   }
   return figure;
 }
@@ -63,68 +75,92 @@ void add_points(plot::Series& series, const Eigenvalues& eigenvalues) {
   }
 }
 
-plot::Figure spectrum_figure(const StudyResults& results) {
+/// The power of ten at or above.
+double decade_above(double value) { return value > 0.0 ? std::pow(10.0, std::ceil(std::log10(value) - 1e-9)) : 1.0; }
+
+plot::Figure complex_plane(std::string title) {
   plot::Figure figure;
-  figure.title = "Spectrum";
+  figure.title = std::move(title);
+  figure.width = 1000;
   figure.height = 340;
   figure.x = {"real part", "1/s", plot::Scale::symlog};
   figure.y = {"imaginary part", "1/s", plot::Scale::symlog};
-  plot::Series modes{"eigenvalues", {}, {}, plot::Style::circles, 0}, zeros{"true zeros", {}, {}, plot::Style::dots, 2};
+  return figure;
+}
+
+plot::Figure spectrum_figure(const StudyResults& results) {
+  plot::Figure figure = complex_plane("Spectrum");
+  plot::Series modes{"eigenvalues", {}, {}, plot::Style::circles, 0}, zeros{"true zeros", {}, {}, plot::Style::circles, 2};
   std::vector<double> parts;
+  double left = 0.0, right = 0.0, up = 0.0;
   for (const Mode& mode : results.spectrum.modes) {
+    const std::complex<double> value = mode.zero ? 0.0 : mode.eigenvalue;
     plot::Series& series = mode.zero ? zeros : modes;
-    series.x.push_back(mode.zero ? 0.0 : mode.eigenvalue.real());
-    series.y.push_back(mode.zero ? 0.0 : mode.eigenvalue.imag());
-    if (!mode.zero) parts.insert(parts.end(), {mode.eigenvalue.real(), mode.eigenvalue.imag()});
+    series.x.push_back(value.real());
+    series.y.push_back(value.imag());
+    parts.insert(parts.end(), {value.real(), value.imag()});
+    left = std::max(left, -value.real());
+    right = std::max(right, value.real());
+    up = std::max(up, std::abs(value.imag()));
   }
-  figure.x.threshold = figure.y.threshold = plot::symlog_threshold(parts);
-  if (std::all_of(modes.y.begin(), modes.y.end(), [](double y) { return y == 0.0; })) {
-    figure.y.low = -figure.y.threshold * 10;
-    figure.y.high = figure.y.threshold * 10;
-  }
-  figure.x.high = std::max(figure.x.threshold, 2.0 * *std::max_element(parts.begin(), parts.end(), std::less<>()));
+  // A little more than the data on each side; at least one decade around zero.
+  const double threshold = plot::symlog_threshold(parts);
+  figure.x.threshold = figure.y.threshold = threshold;
+  figure.x.low = -std::max(decade_above(1.2 * left), threshold);
+  figure.x.high = right > 0.0 ? std::max(decade_above(1.2 * right), threshold) : threshold;
+  figure.y.high = std::max(decade_above(1.2 * up), threshold);
+  figure.y.low = -figure.y.high;
+  figure.series.push_back(std::move(modes));
+  if (!zeros.x.empty()) figure.series.push_back(std::move(zeros));
   if (results.comparison) {
     plot::Series augmented{"augmented, exact", {}, {}, plot::Style::crosses, 1};
     add_points(augmented, results.comparison->exact.eigenvalues);
     figure.series.push_back(std::move(augmented));
   }
-  figure.series.push_back(std::move(modes));
-  if (!zeros.x.empty()) figure.series.push_back(std::move(zeros));
   return figure;
 }
 
 plot::Figure error_figure(const Comparison& comparison) {
+  constexpr double rounding = 1e-10;  // errors below it have no place in the picture
   plot::Figure figure;
-  figure.title = "Eigenvalue errors of the augmented Jacobian by differences";
-  figure.height = 300;
-  figure.x = {"step h", "", plot::Scale::log};
+  figure.title = "Eigenvalue errors by differences";
+  figure.width = 1000;
+  figure.height = 320;
+  figure.x = {"step h (SI)", "", plot::Scale::log};
   figure.y = {"relative error", "", plot::Scale::log};
-  const std::size_t count = comparison.exact.errors.size();
-  for (std::size_t k = 0; k < std::min<std::size_t>(count, 4); ++k) {
-    plot::Series series{"eigenvalue " + std::to_string(k + 1), {}, {}, plot::Style::line_with_dots, static_cast<int>(k)};
+  figure.y.low = rounding;
+  figure.y.high = 10.0;
+  int colour = 0;
+  for (std::size_t k = 0; k < comparison.exact.errors.size() && colour < 5; ++k) {
+    if (comparison.reduced[k].imag() < 0.0) continue;  // as its conjugate
+    plot::Series series{complex_text(comparison.reduced[k], 4), {}, {}, plot::Style::line_with_dots, colour};
+    double largest = 0.0;
     for (const Contender& contender : comparison.differences) {
+      const double error = contender.failure.empty() ? contender.errors[k] : NAN;
       series.x.push_back(contender.h);
-      series.y.push_back(contender.failure.empty() ? contender.errors[k] : NAN);
+      series.y.push_back(error);
+      if (error > largest) largest = error;
     }
+    if (largest < rounding) continue;
+    ++colour;
     figure.series.push_back(std::move(series));
   }
   return figure;
 }
 
 plot::Figure false_zero_figure(const Comparison& comparison) {
+  constexpr int decades = 5;
   const Contender& best = comparison.differences[comparison.best()];
-  plot::Figure figure;
-  figure.title = "False zeros of the augmented Jacobian";
-  figure.height = 300;
-  figure.x = {"real part", "1/s", plot::Scale::symlog};
-  figure.y = {"imaginary part", "1/s", plot::Scale::symlog};
-  plot::Series exact{"exact", {}, {}, plot::Style::crosses, 1}, differences{"differences, best h", {}, {}, plot::Style::circles, 0};
+  plot::Figure figure = complex_plane("Zeros of the augmented Jacobian");
+  plot::Series exact{"exact", {}, {}, plot::Style::crosses, 1};
+  plot::Series differences{"differences, h = " + short_number(best.h, 3), {}, {}, plot::Style::circles, 0};
   add_points(exact, comparison.exact.unclaimed);
   add_points(differences, best.unclaimed);
   const double reach = std::max(comparison.exact.largest_false_zero, best.failure.empty() ? best.largest_false_zero : 0.0);
-  if (reach > 0.0) figure.x.threshold = figure.y.threshold = std::pow(10.0, std::floor(std::log10(reach)) - 5);
+  figure.x.high = figure.y.high = decade_above(1.2 * reach);
+  figure.x.low = figure.y.low = -figure.x.high;
+  figure.x.threshold = figure.y.threshold = figure.x.high * std::pow(10.0, -decades);
   figure.series = {std::move(differences), std::move(exact)};
-  figure.marks = {0.0};
   return figure;
 }
 
@@ -133,7 +169,13 @@ plot::Figure false_zero_figure(const Comparison& comparison) {
 StudyFigures study_figures(const Context& context, const StudyResults& results) {
   StudyFigures figures;
   if (!results.recording.times.empty()) {
-    for (const std::size_t k : chosen_outputs(context, results)) figures.transient.push_back(transient_figure(context, results, k));
+    const double settling = 1.2 * settling_time(results.spectrum);
+    const bool closer = results.overlay && settling < 0.5 * (results.recording.times.back() - results.overlay->from);
+    for (const std::size_t k : chosen_outputs(context, results)) {
+      figures.transient.push_back(transient_figure(context, results, k));
+      if (closer) figures.transient.push_back(transient_figure(context, results, k, results.overlay->from + settling));
+    }
+    figures.columns = closer ? 2 : 1;
   }
   if (!results.spectrum.modes.empty()) figures.others.emplace_back("spectrum", spectrum_figure(results));
   if (results.comparison && !results.comparison->differences.empty()) {
@@ -143,17 +185,22 @@ StudyFigures study_figures(const Context& context, const StudyResults& results) 
   return figures;
 }
 
-std::string stacked_svg(const std::vector<plot::Figure>& figures) {
-  double height = 0.0, width = 0.0;
+std::string sheet_of(const std::vector<plot::Figure>& figures, std::size_t columns) {
   std::string inner;
-  for (const plot::Figure& figure : figures) {
-    inner += "<g transform=\"translate(0 " + short_number(height) + ")\">\n<svg width=\"" + short_number(figure.width) + "\" height=\"" +
-             short_number(figure.height) + "\">\n" + plot::svg(figure) + "</svg></g>\n";
-    height += figure.height;
-    width = std::max(width, figure.width);
+  double width = 0.0, height = 0.0, row_height = 0.0, x = 0.0;
+  for (std::size_t k = 0; k < figures.size(); ++k) {
+    if (k > 0 && k % columns == 0) {
+      height += row_height;
+      x = row_height = 0.0;
+    }
+    inner += "<svg x=\"" + short_number(x) + "\" y=\"" + short_number(height) + "\" width=\"" + short_number(figures[k].width) +
+             "\" height=\"" + short_number(figures[k].height) + "\">\n" + plot::svg(figures[k]) + "</svg>\n";
+    x += figures[k].width;
+    width = std::max(width, x);
+    row_height = std::max(row_height, figures[k].height);
   }
-  return "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" width=\"" + short_number(width) + "\" height=\"" + short_number(height) +
-         "\" viewBox=\"0 0 " + short_number(width) + " " + short_number(height) + "\">\n<style>\n" + plot::style_sheet() +
+  const std::string size = short_number(width) + "\" height=\"" + short_number(height + row_height) + "\"";
+  return "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" width=\"" + size + ">\n<style>\n" + plot::style_sheet() +
          "</style>\n<rect class=\"page\" width=\"100%\" height=\"100%\"/>\n" + inner + "</svg>\n";
 }
 

@@ -44,6 +44,7 @@ const plot::Figure* find(const StudyFigures& figures, const std::string& name) {
 Table overlay_table(const Overlay& overlay) {
   Table table{{"output", "deviation at t = " + short_number(overlay.from) + " s", "largest |linear - simulation|", "relative"}, {}, "lrrr"};
   for (const Overlay::Error& error : overlay.errors) {
+    if (error.peak == 0.0 && error.largest == 0.0) continue;  // at rest
     const double relative = error.relative();
     table.rows.push_back({error.name, with_unit(short_number(error.deviation, 5), error.unit), with_unit(short_number(error.largest, 3), error.unit),
                           std::isnan(relative) ? "-" : short_number(100.0 * relative, 4) + " %"});
@@ -81,7 +82,7 @@ std::string study_page(const Context& context, const StudyResults& results, cons
     if (const plot::Figure* figure = find(figures, "compare_errors")) report.figure(plot::svg(*figure));
     report.table(comparison_table(*results.comparison));
     if (const plot::Figure* figure = find(figures, "compare_false_zeros")) report.figure(plot::svg(*figure));
-    report.paragraph("False zeros stand for nothing in the machine. Those to the right of the line would be read as an instability.");
+    report.paragraph("False zeros stand for nothing in the machine. Those with a positive real part would be read as an instability.");
   }
 
   report.heading("Equilibrium");

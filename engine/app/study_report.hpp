@@ -26,13 +26,14 @@ struct StudyResults {
 };
 
 struct StudyFigures {
-  std::vector<plot::Figure> transient;  // one for each output shown
+  std::vector<plot::Figure> transient;  // one for each output shown, or two: whole and close
+  std::size_t columns = 1;
   std::vector<std::pair<std::string, plot::Figure>> others;  // file name without extension
 };
 StudyFigures study_figures(const Context& context, const StudyResults& results);
 
-/// The transients one below the other in a single file.
-std::string stacked_svg(const std::vector<plot::Figure>& figures);
+/// Figures side by side and below one another in a single file.
+std::string sheet_of(const std::vector<plot::Figure>& figures, std::size_t columns);
 
 std::string study_page(const Context& context, const StudyResults& results, const StudyFigures& figures);
 

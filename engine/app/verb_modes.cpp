@@ -22,7 +22,7 @@ int run(const Arguments& arguments) {
 constinit const Verb verb_modes = {
     "modes", "SCENE", "eigenvalues of the linear model, with the cause of every zero",
     R"(Linearizes as `bramah linearize` and prints the eigenvalues, most dangerous first, zeros last: damping ratio, frequency,
-condition number (how many times rounding is magnified) and the state that moves most. A zero is called zero within its
+condition number (how many times rounding is magnified) and the states that take part. A zero is called zero within its
 own rounding, never by an absolute limit, and its cause is named.
 
 Examples

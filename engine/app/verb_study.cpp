@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 
 #include "app/failure.hpp"
 #include "app/progress.hpp"
@@ -29,22 +30,29 @@ class Folder {
   std::vector<std::string> files_;
 };
 
-/// The scene's options with an output where the overlay begins.
-SimulateOptions simulate_options(const Context& context) {
+/// The scene's options with outputs where the overlay begins and closely after it: errors between coarse outputs would
+/// go unseen.
+SimulateOptions simulate_options(const Context& context, const Spectrum& spectrum) {
   SimulateOptions options = context.options().simulate;
   const double from = context.options().study.linear_from;
   if (from <= options.from_time || from >= options.to_time) return options;
   const bool every_step = options.output_step == 0.0 && options.output_times.empty();
-  const double grid = options.output_step > 0.0 ? (from - options.from_time) / options.output_step : 0.5;
-  if (every_step || std::abs(grid - std::round(grid)) < 1e-9) return options;
-  auto& times = options.output_times;
-  const auto place = std::lower_bound(times.begin(), times.end(), from);
-  if (place == times.end() || *place != from) times.insert(place, from);
+  if (every_step) return options;
+  const auto on_grid = [&](double t) {
+    const double k = options.output_step > 0.0 ? (t - options.from_time) / options.output_step : 0.5;
+    return std::abs(k - std::round(k)) < 1e-9;
+  };
+  std::vector<double> times = overlay_times(spectrum, from, options.to_time);
+  times.insert(times.begin(), from);
+  std::erase_if(times, on_grid);
+  std::vector<double> merged;
+  std::set_union(times.begin(), times.end(), options.output_times.begin(), options.output_times.end(), std::back_inserter(merged));
+  options.output_times = std::move(merged);
   return options;
 }
 
 void simulate_study(const Context& context, Folder& folder, StudyResults& results) {
-  const SimulateOptions options = simulate_options(context);
+  const SimulateOptions options = simulate_options(context, results.spectrum);
   const State* start = options.from == SimulateOptions::From::equilibrium ? &results.equilibrium.state : nullptr;
   OutputFile csv(folder.path() / "time_series.csv");
   csv.write(csv_header(context.options().outputs));
@@ -147,7 +155,7 @@ int run(const Arguments& arguments) {
     folder.write("compare.json", comparison_document(*results.comparison));
   }
   const StudyFigures figures = study_figures(context, results);
-  if (!figures.transient.empty()) folder.write("transient.svg", stacked_svg(figures.transient));
+  if (!figures.transient.empty()) folder.write("transient.svg", sheet_of(figures.transient, figures.columns));
   for (const auto& [name, figure] : figures.others) folder.write(name + ".svg", plot::svg(figure, true));
   folder.write("report.html", study_page(context, results, figures));
   const std::string document = summary(context, results, folder);
@@ -161,8 +169,8 @@ int run(const Arguments& arguments) {
 constinit const Verb verb_study = {
     "study", "SCENE", "all that the scene asks for, into a folder with a report",
     R"(Finds the equilibrium, linearizes, computes the spectrum; simulates if the scene has "simulate", with the linear model
-beside it from "study": {"linear_from": time} on; compares if the scene has "compare". Without --out the folder is
-results/NAME-OF-SCENE. Open report.html in a browser; it needs nothing else.
+beside it from "study": {"linear_from": time} on (outputs are closer there); compares if the scene has "compare". Without
+--out the folder is results/NAME-OF-SCENE. Open report.html in a browser; it needs nothing else.
 
 Examples
   bramah study scenes/four_bar/overdamped.json --out results/four_bar

@@ -214,7 +214,7 @@ bool follows_comma(std::string_view text, std::size_t byte) {
   return before != std::string_view::npos && text[before] == ',';
 }
 
-std::string syntax_remedy(const Complaint& complaint, bool is_after_comma) {
+std::string syntax_remedy(const Complaint& complaint, bool is_after_comma, bool is_complete) {
   const auto says = [&](std::string_view words) { return complaint.reason.find(words) != std::string::npos; };
   if (says("unexpected '}'") || says("unexpected ']'")) {
     return is_after_comma ? "remove the comma before it" : "complete what stands before it, or remove it";
@@ -227,6 +227,7 @@ std::string syntax_remedy(const Complaint& complaint, bool is_after_comma) {
   if (says("\\u") || says("surrogate")) return "write the character itself";
   if (says("invalid number")) return "write numbers like 0.5 or -1.5e3";
   if (says("comment")) return "comments are // to the end of the line, or /* ... */";
+  if (is_complete) return "remove it; the scene has ended before it";
   if (complaint.context == "object key") return "put the key in double quotes";
   if (complaint.context == "object separator") return "write \"key\": value";
   const bool is_between = complaint.context == "object" || complaint.context == "array";
@@ -258,7 +259,7 @@ Diagnostic syntax_fault(std::string_view text, const SceneBuilder& builder) {
   const std::size_t begin = complaint.is_unexpected_token ? token_at(text, byte).begin : byte;
   std::string found = complaint.reason + (ends_too_soon ? unclosed(text) : "");
   return at_byte(begin, fault("syntax", std::move(found), expectation(complaint.context, builder.is_complete()),
-                              syntax_remedy(complaint, follows_comma(text, begin))));
+                              syntax_remedy(complaint, follows_comma(text, begin), builder.is_complete())));
 }
 
 Diagnostic overflow_fault(std::string_view text, const Token& number) {

@@ -10,8 +10,10 @@
 namespace bramah::plot {
 namespace {
 
-constexpr double kLeft = 64, kRight = 18, kTop = 34, kBottom = 46;  // margins
-constexpr double kLetter = 6.4;                                     // mean width of a letter of the legend
+constexpr double kLeft = 62, kRight = 18, kTop = 34, kBottom = 46;  // margins
+constexpr double kLegendRow = 18;                                   // on top, where the legend does not fit beside the title
+constexpr double kLetter = 6.2, kTitleLetter = 7.4;                 // mean widths
+constexpr double kKey = 34;                                         // a legend's sample with its gaps
 
 std::string px(double value) {
   std::array<char, 32> text{};
@@ -47,8 +49,9 @@ class Drawing {
  public:
   Drawing(const Figure& figure, bool standalone)
       : figure_(figure),
+        top_(kTop + (legend_fits() ? 0.0 : kLegendRow)),
         width_(figure.width - kLeft - kRight),
-        height_(figure.height - kTop - kBottom),
+        height_(figure.height - top_ - kBottom),
         x_(figure.x, data(&Series::x)),
         y_(figure.y, data(&Series::y)) {
     out_ = "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" viewBox=\"0 0 " + px(figure.width) + " " +
@@ -63,7 +66,7 @@ class Drawing {
   std::string draw() {
     grid();
     // An inner <svg> clips without ids, which would collide in a page of many figures.
-    out_ += "<svg x=\"" + px(kLeft) + "\" y=\"" + px(kTop) + "\" width=\"" + px(width_) + "\" height=\"" + px(height_) +
+    out_ += "<svg x=\"" + px(kLeft) + "\" y=\"" + px(top_) + "\" width=\"" + px(width_) + "\" height=\"" + px(height_) +
             "\" viewBox=\"0 0 " + px(width_) + " " + px(height_) + "\" overflow=\"hidden\">\n";
     for (const double mark : figure_.marks) {
       const std::string x = px(x_.place(mark) * width_);
@@ -83,6 +86,17 @@ class Drawing {
     return lists;
   }
 
+  [[nodiscard]] double legend_width() const {
+    double sum = 0.0;
+    for (const Series& series : figure_.series) {
+      if (!series.name.empty()) sum += kLetter * static_cast<double>(width(series.name)) + kKey;
+    }
+    return sum;
+  }
+  [[nodiscard]] bool legend_fits() const {
+    return legend_width() + kTitleLetter * static_cast<double>(width(figure_.title)) < figure_.width - kLeft - kRight;
+  }
+
   void line(const char* kind, double x1, double y1, double x2, double y2) {
     out_ += std::string("<line class=\"") + kind + "\" x1=\"" + px(x1) + "\" y1=\"" + px(y1) + "\" x2=\"" + px(x2) +
             "\" y2=\"" + px(y2) + "\"/>\n";
@@ -93,17 +107,17 @@ class Drawing {
   }
 
   void grid() {
-    const double bottom = kTop + height_;
+    const double bottom = top_ + height_;
     for (const Tick& tick : y_.ticks()) {
       const double y = bottom - y_.place(tick.value) * height_;
-      if (y < kTop - 0.1 || y > bottom + 0.1) continue;
+      if (y < top_ - 0.1 || y > bottom + 0.1) continue;
       line(tick.value == 0.0 ? "zero" : "grid", kLeft, y, kLeft + width_, y);
       label("tick", kLeft - 8, y + 3.8, "end", tick.label);
     }
     for (const Tick& tick : x_.ticks()) {
       const double x = kLeft + x_.place(tick.value) * width_;
       if (x < kLeft - 0.1 || x > kLeft + width_ + 0.1) continue;
-      line(tick.value == 0.0 && figure_.x.scale == Scale::symlog ? "zero" : "grid", x, kTop, x, bottom);
+      line(tick.value == 0.0 && figure_.x.scale == Scale::symlog ? "zero" : "grid", x, top_, x, bottom);
       label("tick", x, bottom + 16, "middle", tick.label);
     }
   }
@@ -149,28 +163,25 @@ class Drawing {
   void captions() {
     label("title", kLeft, 20, "start", figure_.title);
     label("label", kLeft + width_ / 2, figure_.height - 8, "middle", x_.caption());
-    const double middle = kTop + height_ / 2;
+    const double middle = top_ + height_ / 2;
     out_ += "<text class=\"label\" text-anchor=\"middle\" transform=\"translate(14 " + px(middle) + ") rotate(-90)\">" +
             escaped(y_.caption()) + "</text>\n";
-    double right = kLeft + width_;
-    for (auto series = figure_.series.rbegin(); series != figure_.series.rend(); ++series) {
-      if (series->name.empty()) continue;
-      right -= kLetter * static_cast<double>(width(series->name));
-      label("legend", right, 20, "start", series->name);
-      right -= 8;
-      const bool is_line = series->style == Style::line || series->style == Style::dashes;
-      if (is_line) {
-        out_ += "<path class=\"line " + colour(series->colour) + (series->style == Style::dashes ? " dashes" : "") + "\" d=\"M" +
-                px(right - 20) + " 16h20\"/>\n";
-      } else {
-        mark(*series, right - 8, 16);
+    double left = legend_fits() ? kLeft + width_ - legend_width() + 8 : kLeft;
+    const double base = top_ - 14;
+    for (const Series& series : figure_.series) {
+      if (series.name.empty()) continue;
+      if (series.style != Style::circles && series.style != Style::crosses && series.style != Style::dots) {
+        out_ += "<path class=\"line " + colour(series.colour) + (series.style == Style::dashes ? " dashes" : "") + "\" d=\"M" +
+                px(left) + " " + px(base - 4) + "h18\"/>\n";
       }
-      right -= is_line ? 34 : 26;
+      if (series.style != Style::line && series.style != Style::dashes) mark(series, left + 9, base - 4);
+      label("legend", left + 24, base, "start", series.name);
+      left += kLetter * static_cast<double>(width(series.name)) + kKey;
     }
   }
 
   const Figure& figure_;
-  double width_, height_;
+  double top_, width_, height_;
   PlacedAxis x_, y_;
   std::string out_;
 };

@@ -36,7 +36,7 @@ struct Figure {
   Axis x, y;
   std::vector<Series> series;
   std::vector<double> marks;         // vertical lines
-  double width = 720, height = 260;  // pixels
+  double width = 520, height = 240;  // pixels
 };
 
 /// The CSS that the figures need: once in a page; a standalone file brings its own.

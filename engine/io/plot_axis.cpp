@@ -49,7 +49,7 @@ PlacedAxis::PlacedAxis(const Axis& axis, const std::vector<const std::vector<dou
   if (axis.scale == Scale::linear) {
     const double largest = std::max(std::abs(low_), std::abs(high_));
     const int exponent = floor_log10(largest);
-    if (exponent < -2 || exponent > 4) {  // one factor for the axis rather than one at each tick
+    if (exponent < -2 || exponent > 3) {  // one factor for the axis rather than one at each tick
       const int factor = 3 * static_cast<int>(std::floor(exponent / 3.0));
       axis_.threshold = std::pow(10.0, factor);
       unit = decade(factor) + (unit.empty() ? "" : " ") + unit;
@@ -87,7 +87,9 @@ void PlacedAxis::place_linear_ticks() {
   const auto first = static_cast<long>(std::ceil(low_ / step - 1e-9)), last = static_cast<long>(std::floor(high_ / step + 1e-9));
   for (long k = first; k <= last; ++k) {
     const double value = static_cast<double>(k) * step;
-    ticks_.push_back({value, short_number(std::round(value / step) * step / axis_.threshold, 6)});
+    std::string label = short_number(value / axis_.threshold, 6);
+    if (label.starts_with('-')) label.replace(0, 1, "−");
+    ticks_.push_back({value, std::move(label)});
   }
 }
 

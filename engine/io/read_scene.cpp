@@ -173,9 +173,10 @@ Scene scene_from(Source source, Faults* of_shape) {
   Scene scene{Value{}, std::move(source)};
   Faults faults;
   const bool is_whole = parse_json(scene.source.text, scene.root, faults);
+  const bool is_readable = is_whole && faults.empty() && scene.root.object() != nullptr;
   if (is_whole) check_shape(scene.root, faults);
   if (faults.empty()) return scene;
-  if (of_shape == nullptr || !is_whole || scene.root.object() == nullptr) throw SceneError(std::move(faults));
+  if (of_shape == nullptr || !is_readable) throw SceneError(std::move(faults));
   of_shape->insert(of_shape->end(), faults.begin(), faults.end());
   return scene;
 }

@@ -60,6 +60,10 @@ class NearestPoint {
   Vector rhs_;
 };
 
+std::string place_of(const System& system, const Outcome& outcome) {
+  return outcome.component < 0 ? "" : "/components/" + system.component_name(outcome.component);
+}
+
 Index worst(const Vector& rows) {
   const auto it = std::max_element(rows.begin(), rows.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
   return it == rows.end() ? -1 : it - rows.begin();
@@ -71,6 +75,21 @@ std::string names_of(const System& system, std::span<const Index> coordinates) {
   std::string names;
   for (const Index i : coordinates) names += (names.empty() ? "" : ", ") + system.x[static_cast<std::size_t>(i)].name;
   return names;
+}
+
+/// The row that is open most and those that are half as open, for contradictions spread over all rows that take part.
+std::string open_rows(const System& system, const Vector& c, Index most) {
+  const Row& first = system.constraint(most);
+  const double gap = std::abs(c[static_cast<std::size_t>(most)]);
+  std::string others;
+  int count = 0;
+  for (Index i = 0; i < system.m(); ++i) {
+    if (i == most || std::abs(c[static_cast<std::size_t>(i)]) < 0.5 * gap || system.constraint(i).unit != first.unit) continue;
+    if (++count <= 5) others += ", " + system.constraint(i).name;
+  }
+  if (count > 5) others += ", ... (" + std::to_string(count + 1) + " in all)";
+  return (count == 0 ? "the constraint " : "the constraints ") + first.name + others + (count == 0 ? " stays" : " stay") + " open by " +
+         (count == 0 ? "" : "up to ") + with_unit(gap, first.unit);
 }
 
 /// Whether holding is to blame: the same start values with all coordinates free.
@@ -102,7 +121,7 @@ void assemble_positions(const System& system, State& state, std::span<const Inde
     const Outcome outcome = blocks.evaluate(system, state, request);
     if (!outcome.ok()) {
       throw AnalysisError("assembly", outcome.message, "constraints that can be evaluated at the start values",
-                          "move the start values: two points may coincide", "/start");
+                          "move the start values: two points may coincide", place_of(system, outcome));
     }
   };
   evaluate();
@@ -132,7 +151,7 @@ void assemble_positions(const System& system, State& state, std::span<const Inde
   if (residual <= 1e3 * position_tolerance * scale) return;
   const Index row = worst(blocks.c);
   const Row& open = system.constraint(row);
-  const std::string gap = "the constraint " + open.name + " stays open by " + with_unit(std::abs(blocks.c[static_cast<std::size_t>(row)]), open.unit);
+  const std::string gap = open_rows(system, blocks.c, row);
   if (!fixed.empty() && closes_without_holding(system, state, start)) {
     throw AnalysisError("assembly", "with " + names_of(system, fixed) + " held at the start values, " + gap + "; without, all constraints close",
                         "held coordinates whose start values agree with each other", "hold fewer coordinates, or correct their start values",
@@ -154,7 +173,10 @@ void assemble_velocities(const System& system, State& state, std::span<const Ind
   double before = HUGE_VAL;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     const Outcome outcome = blocks.evaluate(system, state, request);
-    if (!outcome.ok()) throw AnalysisError("assembly", outcome.message, "constraints that can be evaluated", "check the start values");
+    if (!outcome.ok()) {
+      throw AnalysisError("assembly", outcome.message, "constraints that can be evaluated at the start values", "check the start values",
+                          place_of(system, outcome));
+    }
     const double residual = size_of(blocks.r);
     if (residual <= 1e-15 * scale || residual >= 0.5 * before) {  // linear in v: stagnation is rounding or contradiction
       if (residual <= 1e-10 * scale) return;

@@ -106,6 +106,9 @@ class Newton {
   }
 
   [[nodiscard]] const std::string& failure() const { return outcome_.message; }
+  [[nodiscard]] std::string place_of_failure() const {
+    return outcome_.component < 0 ? "" : "/components/" + system_.component_name(outcome_.component);
+  }
   [[nodiscard]] std::string equation_name(Index i) const {
     const Index n = system_.n(), nz = system_.nz();
     if (i < n) return "the force balance of " + system_.x[static_cast<std::size_t>(i)].name;
@@ -216,7 +219,8 @@ Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& opt
   Newton newton(system, options, state);
   const auto evaluate = [&] {
     if (newton.evaluate(true)) return;
-    throw AnalysisError("equilibrium", newton.failure(), "start values at which every component can be evaluated", "move the start values", "/start");
+    throw AnalysisError("equilibrium", newton.failure(), "start values at which every component can be evaluated", "move the start values",
+                        newton.place_of_failure());
   };
   evaluate();
   bool converged = false;
@@ -250,11 +254,17 @@ Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& opt
   if (result.residual > options.tolerance) {
     newton.solve();
     const std::string free = newton.free_coordinate(row);
+    std::string held;
+    for (const Index i : options.hold_x) held += (held.empty() ? "" : ", ") + system.x[static_cast<std::size_t>(i)].name;
+    for (const Index i : options.hold_z) held += (held.empty() ? "" : ", ") + system.z[static_cast<std::size_t>(i)].name;
     throw AnalysisError("equilibrium",
                         newton.equation_name(row) + " stays at " + newton.equation_residual(row) + " after " +
                             std::to_string(result.iterations) + " iterations" + (free.empty() ? "" : ", and nothing resists a motion of " + free),
-                        free.empty() ? "start values near an equilibrium" : "something that balances this force",
-                        free.empty() ? "hold fewer variables, move the start values, or check that something balances this row"
+                        !free.empty()  ? std::string("something that balances this force")
+                        : held.empty() ? std::string("start values near an equilibrium")
+                                       : "an equilibrium at the start values of what is held: " + held,
+                        free.empty() ? std::string(held.empty() ? "" : "hold fewer variables, ") +
+                                           "move the start values, or check that something balances this row"
                                      : "connect a joint, a spring or a support; holding " + free + " would not balance the force",
                         "/components/" + newton.equation_component(row));
   }

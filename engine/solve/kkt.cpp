@@ -26,10 +26,15 @@ void Kkt::factor(const Blocks& blocks) {
   const double one = 1.0;
   plan_.fill(blocks, {&one, 1});
   if (lu_.factor({size_, size_, plan_.start().data(), plan_.row().data(), plan_.values().data()})) return;
-  throw AnalysisError("dynamics", "the mass and constraint matrix is singular at " + unknown_name(lu_.singular_column()),
-                      "inertia for every motion that the constraints leave free, and storage for every first-order variable",
-                      "give the body a mass and inertia, or remove the constraint or coordinate that makes it singular",
-                      "/components/" + unknown_component(lu_.singular_column()));
+  const Index i = lu_.singular_column();
+  const std::string name = unknown_component(i);
+  const bool stores = i >= size_ - system_.nz();
+  throw AnalysisError("dynamics",
+                      unknown_name(i) + " is undefined: " + (stores ? "nothing stores there" : "the mass matrix is singular") + " at this state",
+                      stores ? "storage above zero for every first-order variable" : "inertia for every motion that the constraints leave free",
+                      stores ? "check what stores at " + name + ": a chamber may have no length at the start values"
+                             : "give " + name + " mass and inertia, or a constraint that holds it",
+                      name.empty() ? name : "/components/" + name);
 }
 
 std::string Kkt::unknown_component(Index i) const {

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numeric>
 
+#include <Eigen/Dense>
+#include <map>
+
 #include "sparse/rank_lu.hpp"
 #include "system/analysis_error.hpp"
 
@@ -34,7 +37,10 @@ Partition choose_partition(const System& system, const State& state, std::span<c
   }
   Blocks blocks(system);
   const Outcome outcome = blocks.evaluate(system, state, Request{}.blocks({BRAMAH_R_V}));
-  if (!outcome.ok()) throw AnalysisError("partition", outcome.message, "constraints that can be evaluated", "check the start values");
+  if (!outcome.ok()) {
+    throw AnalysisError("partition", outcome.message, "constraints that can be evaluated", "check the start values",
+                        outcome.component < 0 ? "" : "/components/" + system.component_name(outcome.component));
+  }
   const std::vector<Index> coordinates = shifted(n, 0), rows = shifted(count, 0);
   const Term term{BRAMAH_R_V, rows, coordinates, true, 0};
   SparsePlan transposed(system, n, count, {&term, 1});
@@ -117,6 +123,67 @@ Partition choose_partition(const System& system, const State& state, std::span<c
     result.redundant.push_back(std::move(redundant));
   }
   return result;
+}
+
+std::vector<RedundantSet> describe_redundancy(const System& system, const Partition& partition) {
+  // Redundant rows whose dependencies share a component form one set: union by components.
+  std::vector<Index> parent(system.components.size());
+  std::iota(parent.begin(), parent.end(), Index{0});
+  const auto root = [&](Index i) {
+    while (parent[static_cast<std::size_t>(i)] != i) i = parent[static_cast<std::size_t>(i)];
+    return i;
+  };
+  std::vector<bool> involved(system.components.size(), false);
+  for (const RedundantRow& redundant : partition.redundant) {
+    const Index own = system.constraint(redundant.row).component;
+    involved[static_cast<std::size_t>(own)] = true;
+    for (const auto& [row, unused] : redundant.follows_from) {
+      const Index other = system.constraint(row).component;
+      involved[static_cast<std::size_t>(other)] = true;
+      parent[static_cast<std::size_t>(root(other))] = root(own);
+    }
+  }
+  std::map<Index, RedundantSet> sets;
+  for (std::size_t i = 0; i < involved.size(); ++i) {
+    if (involved[i]) sets[root(static_cast<Index>(i))].components.push_back(static_cast<Index>(i));
+  }
+  for (const RedundantRow& redundant : partition.redundant) sets[root(system.constraint(redundant.row).component)].rows.push_back(redundant.row);
+
+  std::vector<RedundantSet> result;
+  for (auto& [unused, set] : sets) {
+    std::map<std::string, std::vector<std::string>> by_type;
+    for (const Index i : set.components) {
+      const Component& component = system.components[static_cast<std::size_t>(i)];
+      // A body's own norm row takes part in every rotation; it is no joint.
+      if (component.type->port_count > 0 && component.type->variable_count == 0) by_type[component.type->name].push_back(component.name);
+    }
+    for (const auto& [type, names] : by_type) {
+      set.text += (set.text.empty() ? "" : ", ") + std::to_string(names.size()) + " " + type + " (";
+      for (std::size_t k = 0; k < names.size() && k < 8; ++k) set.text += (k == 0 ? "" : ", ") + names[k];
+      set.text += names.size() > 8 ? ", ...)" : ")";
+    }
+    const std::size_t count = set.rows.size();
+    const std::string& last = system.component_name(system.constraint(set.rows.back()).component);
+    set.text += ": " + std::to_string(count) + " redundant row" + (count == 1 ? "" : "s") + " " + row_names(system, set.rows) + "; the others imply " +
+                (count == 1 ? "it" : "them") + ". To be rid of " + (count == 1 ? "it" : "them") + ", replace " + last + " by a joint with " +
+                std::to_string(count) + " constraint" + (count == 1 ? "" : "s") + " fewer";
+    result.push_back(std::move(set));
+  }
+  return result;
+}
+
+void take_minimum_norm(const Partition& partition, Vector& lambda) {
+  const auto count = static_cast<Eigen::Index>(partition.redundant.size());
+  if (count == 0) return;
+  // Null vectors of D^T: N_k = e(redundant k) - sum c e(others). Least norm removes their span: lambda - N (N^T N)^-1 N^T lambda.
+  Eigen::MatrixXd N = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(lambda.size()), count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const RedundantRow& redundant = partition.redundant[static_cast<std::size_t>(k)];
+    N(redundant.row, k) = 1.0;
+    for (const auto& [row, c] : redundant.follows_from) N(row, k) -= c;
+  }
+  Eigen::Map<Eigen::VectorXd> l(lambda.data(), static_cast<Eigen::Index>(lambda.size()));
+  l -= N * (N.transpose() * N).ldlt().solve(N.transpose() * l);
 }
 
 }  // namespace bramah

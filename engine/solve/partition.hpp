@@ -33,6 +33,17 @@ struct Partition {
 /// Chooses at `state`. `independent` prescribes x_ai coordinates; AnalysisError where they cannot be independent together.
 Partition choose_partition(const System& system, const State& state, std::span<const Index> independent = {});
 
+/// Redundant rows that belong together, told in terms of joints.
+struct RedundantSet {
+  std::vector<Index> rows;            // the redundant ones
+  std::vector<Index> components;      // all that take part, in the order of declaration
+  std::string text;                   // "4 mechanics/revolute (O1, C, D, O2): 3 redundant rows O2.x, ...; relax O2 ..."
+};
+std::vector<RedundantSet> describe_redundancy(const System& system, const Partition& partition);
+
+/// Makes the multipliers of redundant sets unique: of all with the same D^T lambda, those of least norm.
+void take_minimum_norm(const Partition& partition, Vector& lambda);
+
 /// "hinge.x, hinge.y" for messages.
 std::string row_names(const System& system, std::span<const Index> rows);
 

@@ -180,6 +180,7 @@ Outcome Blocks::failure(const System& system, const Group& group, Index instance
   const Index component = group.component[static_cast<std::size_t>(std::clamp<Index>(instance, 0, group.count - 1))];
   Outcome outcome;
   outcome.status = status > 0 ? Outcome::Status::recoverable : Outcome::Status::fatal;
+  outcome.component = component;
   outcome.message = system.component_name(component) + " (" + group.type->name + ") cannot be evaluated: " + why;
   return outcome;
 }
@@ -193,22 +194,23 @@ Outcome Blocks::check_finite(const System& system, const Request& request) const
     return -1;
   };
   Outcome outcome;
-  const auto report = [&](const std::string& what) {
+  const auto report = [&](const std::string& what, const auto& row) {
     outcome.status = Outcome::Status::recoverable;
-    outcome.message = what + " is not finite";
+    outcome.message = what + row.name + " is not finite";
+    outcome.component = row.component;
   };
   if (const Index i = look(request.f, f); i >= 0) {
-    report("the force balance of " + system.x[static_cast<std::size_t>(i)].name);
+    report("the force balance of ", system.x[static_cast<std::size_t>(i)]);
   } else if (const Index j = look(request.g, g); j >= 0) {
-    report("the storage balance of " + system.z[static_cast<std::size_t>(j)].name);
+    report("the storage balance of ", system.z[static_cast<std::size_t>(j)]);
   } else if (const Index k = look(request.c, c); k >= 0) {
-    report("the constraint " + system.holonomic[static_cast<std::size_t>(k)].name);
+    report("the constraint ", system.holonomic[static_cast<std::size_t>(k)]);
   } else if (const Index p = look(request.r, r); p >= 0) {
-    report("the rate of constraint " + system.constraint(p).name);
+    report("the rate of constraint ", system.constraint(p));
   } else if (const Index q = look(request.s, s); q >= 0) {
-    report("the acceleration of constraint " + system.constraint(q).name);
+    report("the acceleration of constraint ", system.constraint(q));
   } else if (const Index o = look(request.y, y); o >= 0) {
-    report("the output " + system.outputs[static_cast<std::size_t>(o)].name);
+    report("the output ", system.outputs[static_cast<std::size_t>(o)]);
   }
   return outcome;
 }

@@ -33,7 +33,8 @@ struct Request {
 struct Outcome {
   enum class Status { ok, recoverable, fatal };
   Status status = Status::ok;
-  std::string message;  // names the component and the row
+  std::string message;   // names the component and the row
+  Index component = -1;  // whose component it is, where there is one
   [[nodiscard]] bool ok() const { return status == Status::ok; }
 };
 

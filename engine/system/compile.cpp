@@ -79,6 +79,13 @@ bool begins_a_number(std::string_view text) {
   return first != std::string_view::npos && text[first] >= '0' && text[first] <= '9';
 }
 
+bool is_infinite_or_nan(std::string_view text) {
+  const std::size_t first = std::min(text.find_first_not_of(" +-"), text.size());
+  std::string word;
+  for (const char c : text.substr(first, 3)) word += static_cast<char>(c | 0x20);
+  return word == "inf" || word == "nan";
+}
+
 std::vector<std::string> split(const std::string& list) {
   std::vector<std::string> words;
   for (std::size_t begin = 0; begin < list.size();) {
@@ -130,8 +137,11 @@ std::optional<Quantity> Numbers::quantity_of(const std::string& text, const std:
   const std::string found = named(where) + " is " + description(text), example = "\"1 " + std::string(unit) + "\"";
   if (begins_a_number(text)) {
     faults_.add("number-out-of-range", where, found, "a number between -1.79e308 and 1.79e308", "check the exponent");
+  } else if (is_infinite_or_nan(text)) {
+    faults_.add("number-out-of-range", where, found, "a finite number", "write a number that the physics allows");
   } else {
     const bool is_constant = constants_.find(text) != constants_.end();
+    if (is_constant) used_.insert(text);
     faults_.add("bad-number", where, found, "a number, or a number with a unit such as " + example,
                 is_constant ? "did you mean \"=" + text + "\"?" : "write the number first; constants are written \"=name\"");
   }
@@ -188,9 +198,11 @@ std::optional<double> Numbers::constant_value(const std::string& name, const std
   if (constant == constants_.end()) {
     std::vector<std::string> names;
     for (const auto& [key, unused] : constants_) names.push_back(key);
+    const std::string meant = closest(name, names);
+    used_.insert(meant);
     faults_.add("unknown-constant", where, named(where) + " is \"=" + name + "\", and there is no constant \"" + name + '"',
                 names.empty() ? "a name from the section \"constants\", which is empty" : "one of: " + quoted_list(names),
-                suggestion(name, names, "add it to \"constants\""));
+                meant.empty() ? "add it to \"constants\"" : "did you mean \"=" + meant + "\"?");
     return std::nullopt;
   }
   used_.insert(name);
@@ -300,7 +312,13 @@ class Compiler {
 
   void load_libraries() {
     const Value* libraries = scene_.root.find("libraries");
-    if (libraries == nullptr || libraries->list() == nullptr) return;
+    if (libraries == nullptr || libraries->list() == nullptr) {
+      const bool misspelt = std::any_of(earlier_.begin(), earlier_.end(), [](const Diagnostic& d) {
+        return d.code == "unknown-key" && !closest(d.pointer.substr(1), {"libraries"}).empty();
+      });
+      libraries_unread_ = libraries != nullptr || misspelt;
+      return;
+    }
     std::size_t index = 0;
     for (const Value& name : *libraries->list()) {
       const std::string where = pointer("/libraries", index++);
@@ -375,8 +393,10 @@ class Compiler {
     // Once is enough for a library that could not be loaded, is misspelt in the list or has been forgotten there.
     if (broken_libraries_.count(library) > 0) return;
     if (!listed) {
-      const std::vector<std::string> broken(broken_libraries_.begin(), broken_libraries_.end());
-      if (!closest(library, broken).empty() || !forgotten_libraries_.insert(library).second) return;
+      const bool meant_by_other = std::any_of(broken_libraries_.begin(), broken_libraries_.end(), [&](const std::string& other) {
+        return other.find(library) != std::string::npos || !closest(library, {other}).empty();
+      });
+      if (meant_by_other || libraries_unread_ || !forgotten_libraries_.insert(library).second) return;
       const std::vector<std::string> offered = registry_->available();
       const bool exists = std::find(offered.begin(), offered.end(), library) != offered.end();
       std::vector<std::string> candidates = libraries_;
@@ -391,7 +411,10 @@ class Compiler {
       return;
     }
     const std::vector<std::string> known = known_types(library);
-    faults_.add("unknown-type", where, found, "one of: " + quoted_list(known, 20), suggestion(name, known, "`bramah list` shows all types"));
+    const std::string meant = closest(name, known);
+    faults_.add("unknown-type", where, found,
+                meant.empty() ? "one of: " + quoted_list(known, 20) : "a type of the library \"" + library + '"',
+                meant.empty() ? "`bramah list` shows all types" : "did you mean \"" + meant + "\"?");
   }
 
   /// Names of all types of one of the scene's libraries, or of all of them.
@@ -421,13 +444,14 @@ class Compiler {
     const auto count = static_cast<std::size_t>(type.parameter_count);
     draft.numbers.resize(count);
     draft.texts.resize(count);
+    draft.sound = true;
     // Texts first: they may name the unit of the others.
     for (const bool texts : {true, false}) {
       for (std::size_t i = 0; i < count; ++i) {
         if ((type.parameters[i].kind == BRAMAH_TEXT) == texts) read_parameter(draft, type.parameters[i], i);
       }
     }
-    draft.sound = faults_.list.size() == before;
+    draft.sound = draft.sound && faults_.list.size() == before;
   }
 
   void read_parameter(Draft& draft, const bramah_parameter_info& info, std::size_t index) {
@@ -480,6 +504,8 @@ class Compiler {
         if (const auto number = numbers_.read(*value, where, unit)) {
           numbers = {*number};
           check_limits(info, *number, unit, where);
+        } else {
+          draft.sound = false;
         }
         return;
       default: break;
@@ -501,6 +527,8 @@ class Compiler {
       if (const auto number = numbers_.read(item, here, unit)) {
         numbers.push_back(*number);
         check_limits(info, *number, unit, here);
+      } else {
+        draft.sound = false;
       }
     }
   }
@@ -577,7 +605,7 @@ class Compiler {
             // The parameter may rest on its default; the place is then the component.
             const bool written = parameter != nullptr && here->draft->value->find(parameter) != nullptr;
             here->faults->add("inconsistent", written ? pointer(here->draft->where, parameter) : here->draft->where,
-                              (parameter == nullptr ? std::string() : std::string(parameter) + " = ") + found, expected,
+                              (parameter == nullptr ? std::string() : "\"" + std::string(parameter) + "\": ") + found, expected,
                               "change one of them", !written);
           },
           &context);
@@ -830,9 +858,9 @@ class Compiler {
   void check_units(const bramah_port_info& port, const bramah_terminal_info& terminal, const Draft& other, const std::string& where) {
     if (fits_unit(port, terminal, other) || (!other.sound && terminal.unit[0] == '@')) return;
     const std::string offered = parameter_unit(*other.type, terminal.unit, other);
-    faults_.add("wrong-unit", where, named(where) + " is \"" + other.name + "\", " + (offered == "1" ? "which has no unit" : "in " + offered), wanted(port),
+    faults_.add("wrong-unit", where, named(where) + " is \"" + other.name + "." + terminal.name + "\", " + (offered == "1" ? "which has no unit" : "in " + offered), wanted(port),
                 terminal.unit[0] == '@' ? "give \"" + other.name + "\" the " + (terminal.unit + 1) + " \"" + port.unit + "\", or name another component"
-                                        : std::string("name another component or terminal"));
+                : fitting(port).empty() ? std::string("add such a component") : std::string("name another component or terminal"));
   }
 
   void read_start() {
@@ -987,6 +1015,7 @@ class Compiler {
   compiling::Faults faults_;
   Numbers numbers_;
   std::vector<std::string> libraries_;
+  bool libraries_unread_ = false;  // there is something in their place, and it is reported
   std::set<std::string> broken_libraries_, forgotten_libraries_;
   std::vector<Draft> drafts_;
   std::unordered_map<std::string, std::size_t> by_name_;

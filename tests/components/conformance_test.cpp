@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// ---- sound ones, for what the shipped components do not have ---------------------------------------------------------
+// ---- sound ones, for what the shipped components do not have -------------------------------------------------------
 
 /// Rows of both kinds, one of them in time, outputs of multipliers and accelerations.
 struct Skate {
@@ -76,7 +76,7 @@ TEST(ConformanceTest, PassesRowsThatCompare) {
   EXPECT_TRUE(conforms<Bearing>({{.x = {1.0, 0.3, 0.2, 0.0}}, {.x = {-0.2, -1.0, 0.2, 0.0}}}));
 }
 
-// ---- broken ones -----------------------------------------------------------------------------------------------------
+// ---- broken ones ---------------------------------------------------------------------------------------------------
 
 struct OnCoordinate {  // what the broken ones share
   Coordinate q;

@@ -6,6 +6,7 @@
 #include "components/hydraulics/cylinder.hpp"
 #include "components/hydraulics/directional_valve.hpp"
 #include "components/hydraulics/hose.hpp"
+#include "components/hydraulics/leakage.hpp"
 #include "components/hydraulics/pressure_source.hpp"
 #include "components/hydraulics/throttle.hpp"
 #include "components/hydraulics/volume.hpp"
@@ -194,6 +195,18 @@ TEST(DirectionalValveTest, SpoolLagsItsReference) {
   EXPECT_DOUBLE_EQ(probe.partial(BRAMAH_G_ZDOT, 4, 4), 0.0045);
   EXPECT_DOUBLE_EQ(probe.partial(BRAMAH_G_Z, 4, 4), 1.0);
   EXPECT_DOUBLE_EQ(probe.partial(BRAMAH_G_U, 4, 0), -1.0);
+}
+
+TEST(LeakageTest, Conforms) { EXPECT_TRUE(conforms<Leakage>({{.parameters = {{"C_L", 1e-11}}}})); }
+
+TEST(LeakageTest, IsLaminarAtAnyDrop) {
+  Probe<Leakage> probe({{"C_L", 1e-11}});
+  for (const double drop : {2e7, 1e3, -5e6}) {
+    probe.z = {3e6 + drop, 3e6};
+    const auto rows = probe.rows();
+    EXPECT_DOUBLE_EQ(rows.y[0], 1e-11 * drop);
+    EXPECT_EQ(rows.g, (std::vector<double>{rows.y[0], -rows.y[0]}));  // g = K zdot - h
+  }
 }
 
 TEST(PressureSourceTest, Conforms) { EXPECT_TRUE(conforms<PressureSource>({{.parameters = {{"p", 7.6e6}}}})); }

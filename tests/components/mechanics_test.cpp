@@ -86,7 +86,7 @@ TEST(GravityTest, PointsDownUnlessTold) {
   EXPECT_EQ(Probe<UniformGravity>({{"acceleration", {0, -1.62, 0}}}).constants(), (std::vector<double>{0, -1.62, 0}));
 }
 
-// ---- bodies ----------------------------------------------------------------------------------------------------------
+// ---- bodies --------------------------------------------------------------------------------------------------------
 
 const Parameters brick = {{"mass", 3.0}, {"inertia", {2.0, 2.5, 3.0}}, {"products", {0.1, -0.2, 0.3}}};
 
@@ -216,7 +216,7 @@ TEST(PlanarBodyTest, FallsInItsPlane) {
   EXPECT_EQ(probe.start(), (std::vector<double>{1, 2, 0.3, 4, 5, 6}));
 }
 
-// ---- joints ----------------------------------------------------------------------------------------------------------
+// ---- joints --------------------------------------------------------------------------------------------------------
 
 const Vector hinge_a = {0.1, 0.5, -0.2}, hinge_b = {-0.7, 0.2, 0.3}, axis_a = {1, 2, -2}, axis_b = {0, 0.6, 0.8};
 const Parameters hinge = {
@@ -344,7 +344,7 @@ TEST(PlanarStrokeTest, IsADistance) {
   EXPECT_EQ(probe.start(), (std::vector<double>{1.0, 0.0}));
 }
 
-// ---- forces ----------------------------------------------------------------------------------------------------------
+// ---- forces --------------------------------------------------------------------------------------------------------
 
 TEST(CoordinateForceTest, Conforms) { EXPECT_TRUE(conforms<CoordinateForce>()); }
 TEST(CoordinateForceTest, AddsItsSignal) {

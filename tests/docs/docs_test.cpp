@@ -192,7 +192,8 @@ TEST(Documents, NamesOfTheBorderExist) {
 TEST(Theory, SymbolsStandWhereTheMapSays) {
   // Rows "| paper | code | file |": every `name` of the second cell occurs in every `file` of the third.
   std::size_t rows = 0;
-  for (const Line& line : Document("docs/theory.md").prose()) {
+  const Document theory("docs/theory.md");
+  for (const Line& line : theory.prose()) {
     const std::vector<std::string> row = cells(line.text);
     if (row.size() < 3) continue;
     const std::vector<std::string> files = code_words(row[2]);
@@ -274,7 +275,8 @@ TEST(Plugins, Compile) {
 TEST(Plugins, ReadmeShowsTheTemplate) {
   const std::string source = contents("plugins/template/strut.cpp");
   std::vector<std::string> shown;
-  for (const Block& block : Document("README.md").blocks()) {
+  const Document readme("README.md");
+  for (const Block& block : readme.blocks()) {
     if (block.is("cpp", "plugin")) shown.push_back(block.text);
   }
   ASSERT_EQ(shown.size(), 1U);

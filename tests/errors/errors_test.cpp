@@ -92,6 +92,11 @@ std::string message(const std::string& name) {
   replace(text, more_libraries, "<more_libraries>");
   replace(text, libraries, "<libraries>");
   replace(text, plugins, "<plugins>");
+  // What else is there changes with every new library.
+  const std::string list = "use one of the libraries there (";
+  if (const std::size_t at = text.find(list); at != std::string::npos) {
+    text.replace(at + list.size(), text.find(')', at) - at - list.size(), "...");
+  }
   return text;
 }
 

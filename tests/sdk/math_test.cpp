@@ -127,7 +127,7 @@ TEST(MathTest, Branches) {
   EXPECT_EQ(min(b, a).derivative(0), 1.0);
 }
 
-// ---- vectors and rotations -------------------------------------------------------------------------------------------
+// ---- vectors and rotations -----------------------------------------------------------------------------------------
 
 const Quaternion<double> e = quaternion_of({0.4, -0.9, 0.3}), q = {0.3, -0.2, 0.5, 0.7};
 const Vec3<double> u = {0.3, -1.1, 0.8}, w = {-0.6, 0.2, 1.5};

@@ -1,7 +1,7 @@
 // Whether a component keeps its promises, seen through the C border as the engine sees it. One line per component:
 //
-//   EXPECT_TRUE(conforms<Throttle>({{.parameters = {{"C_d", 0.8}, {"A_t", 2.83e-5}, {"rho_oil", 850.0}}, .z = {3e6, 2e6}},
-//                                   {.parameters = {{"C_d", 0.8}, {"A_t", 2.83e-5}, {"rho_oil", 850.0}}, .z = {1e5, 2e5}}}));
+//   const std::map<std::string, Setting> small = {{"C_d", 0.8}, {"A_t", 2.83e-5}, {"rho_oil", 850.0}};
+//   EXPECT_TRUE(conforms<Throttle>({{.parameters = small, .z = {3e6, 2e6}}, {.parameters = small, .z = {1e5, 2e5}}}));
 //
 // Give one sample per regime of the law. What is checked at each:
 //   describe     names, units, docs, limits, defaults, nominals; check() has no objection
@@ -9,8 +9,8 @@
 //   series       cdot and rdot against differences along the path x + v t + a t^2/2; s_a = r_v; S_V = 2 R_X (holonomic)
 //   multipliers  L_X against differences of D^T lambda
 //   structure    f_a symmetric; b linear in v
-//   evaluate     writes all it is asked for and no more; bit for bit repeatable, alone or in a batch, whatever else is
-//                asked for; allocates nothing (where the program defines bramah_allocation_count)
+//   evaluate     writes all it is asked for and no more; bit for bit repeatable, alone or in a batch; the same to 1e-12
+//                whatever else is asked for; allocates nothing (where the program defines bramah_allocation_count)
 //   signals      breakpoints advance; between them both one-sided limits agree
 // Differences live here and nowhere else.
 #pragma once
@@ -143,7 +143,7 @@ class Examination {
   }
 
  private:
-  // ---- faults --------------------------------------------------------------------------------------------------------
+  // ---- faults -------------------------------------------------------------------------------------------------------
   template <class... Parts>
   void fault(const Parts&... parts) {
     std::ostringstream text;
@@ -192,7 +192,7 @@ class Examination {
     }
   }
 
-  // ---- the description -----------------------------------------------------------------------------------------------
+  // ---- the description ---------------------------------------------------------------------------------------------
   void need_text(const char* text, const std::string& what) {
     if (text == nullptr || *text == '\0') fault(what, " is missing");
   }
@@ -291,7 +291,7 @@ class Examination {
     return type_.extension == nullptr ? nullptr : static_cast<const Table*>(type_.extension(type_.self, id));
   }
 
-  // ---- one sample ----------------------------------------------------------------------------------------------------
+  // ---- one sample --------------------------------------------------------------------------------------------------
   void examine(std::size_t number) {
     if (!make_instances() || !make_patterns()) return;
     make_state(number);
@@ -463,7 +463,7 @@ class Examination {
     return false;
   }
 
-  // ---- evaluation ----------------------------------------------------------------------------------------------------
+  // ---- evaluation --------------------------------------------------------------------------------------------------
   using Wanted = std::array<bool, BRAMAH_BLOCKS>;
   static Wanted all_blocks() {
     Wanted all;
@@ -595,7 +595,7 @@ class Examination {
     return block >= 0 && marks_[block][i * size(f) + j] != 0;
   }
 
-  // ---- differences ---------------------------------------------------------------------------------------------------
+  // ---- differences -------------------------------------------------------------------------------------------------
   /// Slopes at 0 of all rows of `path`, one list per step that stays on the branch of `base`: three-point differences,
   /// extrapolated once, or one-sided ones, extrapolated twice, where a kink is in the way. Both are of third order or
   /// better, so that a smooth law meets 1e-6 at some step between truncation and rounding; a wrong partial meets it at
@@ -723,7 +723,7 @@ class Examination {
     }
   }
 
-  // ---- identities ----------------------------------------------------------------------------------------------------
+  // ---- identities --------------------------------------------------------------------------------------------------
   void examine_identities(const Evaluation& base) {
     const auto equal = [](double a, double b, double of) { return std::fabs(a - b) <= 1e-13 * of; };
     for (std::size_t i = 0; i < row_count(HOLONOMIC); ++i) {
@@ -817,7 +817,7 @@ class Examination {
     }
   }
 
-  // ---- what does not depend on the state -----------------------------------------------------------------------------
+  // ---- what does not depend on the state ---------------------------------------------------------------------------
   void examine_fixed_values() {
     if (type_.start != nullptr) {
       std::vector<double> x, v, z;

@@ -9,6 +9,7 @@
 #include <exception>
 #include <memory>
 #include <new>
+#include <stdexcept>
 #include <vector>
 
 #include "bramah/describe.hpp"
@@ -393,7 +394,7 @@ void evaluate_nonholonomic(const bramah_type& type, const bramah_batch& b) {
         };
         for (std::size_t k = pass; k < end; ++k) seed(k, 1.0);
         for (std::size_t row = 0; row < ml; ++row) rows[row] = S(0.0);
-        Values<S> out(rows - mh);  // row handles count on after the holonomic rows
+        Values<S> out(rows, type.holonomic_count);  // row handles count on after the holonomic rows
         component.nonholonomic(Motion<S>(q, w, clock<S>(b.time), b.side), out);
         Seeded level[2][most_columns];
         for (std::size_t row = 0; row < ml; ++row) {
@@ -418,7 +419,7 @@ void evaluate_nonholonomic(const bramah_type& type, const bramah_batch& b) {
         series_of(w[j], number(v, j), number(a, j), 0.0);
       }
       for (std::size_t row = 0; row < ml; ++row) rows[row] = S(0.0);
-      Values<S> out(rows - mh);
+      Values<S> out(rows, type.holonomic_count);
       component.nonholonomic(Motion<S>(q, w, clock<S>(b.time), b.side), out);
       for (std::size_t row = 0; row < ml; ++row) store_values(row, rows[row].c[0], rows[row].c[1]);
     }
@@ -439,7 +440,7 @@ void evaluate_nonholonomic(const bramah_type& type, const bramah_batch& b) {
           const std::size_t along = columns.list[d].index;
           w[along] = Seeded(1.0);
           for (std::size_t row = 0; row < ml; ++row) rows[row] = Seeded(0.0);
-          Values<Seeded> values_out(rows - mh);
+          Values<Seeded> values_out(rows, type.holonomic_count);
           component.nonholonomic(Motion<Seeded>(q, w, Seeded(b.time), b.side), values_out);
           Seeded sum(0.0);
           for (std::size_t row = 0; row < ml; ++row) sum += lambda[row] * rows[row];
@@ -729,6 +730,10 @@ void describe_type(TypeEntry& entry) {
   Description is(entry.tables);
   prototype.describe(is);
   const TypeTables& t = entry.tables;
+  const auto rows = static_cast<int>(t.holonomic.size() + t.nonholonomic.size());
+  if (3 * t.slots(BRAMAH_X) + 2 * t.slots(BRAMAH_Z) + t.slots(BRAMAH_U) + rows > static_cast<int>(most_columns)) {
+    throw std::length_error(t.name + " has more local variables than one component may have");
+  }
   const auto count = [](const auto& list) { return static_cast<std::int32_t>(list.size()); };
   entry.type = bramah_type{
       .size = sizeof(bramah_type),
@@ -765,7 +770,7 @@ void describe_type(TypeEntry& entry) {
 }
 
 template <class... Cs>
-const bramah_library* library(const char* name, const char* version) {
+const bramah_library* library(const char* name, const char* version) noexcept try {
   struct Tables {
     TypeEntry entries[sizeof...(Cs)];
     const bramah_type* types[sizeof...(Cs)];
@@ -781,6 +786,8 @@ const bramah_library* library(const char* name, const char* version) {
     return made;
   }();
   return &tables->library;
+} catch (...) {
+  return nullptr;  // no exception crosses the border; the engine says what to look for
 }
 
 }  // namespace bramah::detail

@@ -93,11 +93,13 @@ class Rows {
 template <class T>
 class Values {
  public:
-  explicit Values(T* values) : values_(values) {}
-  T& operator()(Handle row) { return values_[row.slot]; }
+  /// `first`: slot of the handle that values[0] belongs to.
+  explicit Values(T* values, int first = 0) : values_(values), first_(first) {}
+  T& operator()(Handle row) { return values_[row.slot - first_]; }
 
  private:
   T* values_;
+  int first_;
 };
 
 }  // namespace bramah
