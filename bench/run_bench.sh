@@ -28,6 +28,21 @@ result=$here/results/$name.json
 "$program" --benchmark_min_time=0.05 --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true \
   --benchmark_report_aggregates_only=true --benchmark_context=commit="$commit" \
   --benchmark_out="$result" --benchmark_out_format=json "$@"
-# Who measured and where is nobody's business; date and load are noise in version control.
-sed -i -e '/^    "host_name":/d' -e '/^    "executable":/d' -e '/^    "date":/d' "$result"
+# Kept: of every work the median and the variation, and what was skipped; not who measured where and when.
+awk '
+  /^    \{$/ { entry = $0; inside = 1; next }
+  inside && /^    \},?$/ {
+    inside = 0
+    if (entry ~ /"aggregate_name": "(median|cv)"/ || (entry ~ /"error_occurred"/ && !(entry in seen))) {
+      printf "%s%s\n    }", separator, entry
+      separator = ",\n"
+    }
+    seen[entry] = 1
+    next
+  }
+  inside { if ($0 !~ /"(family_index|per_family_instance_index|repetition_index|threads)":/) entry = entry "\n" $0; next }
+  /^  \]/ { printf "\n" }
+  !/^    "(date|host_name|executable)":/
+' "$result" > "$result.kept"
+mv "$result.kept" "$result"
 echo "kept in $result"

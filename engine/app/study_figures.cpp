@@ -75,8 +75,10 @@ void add_points(plot::Series& series, const Eigenvalues& eigenvalues) {
   }
 }
 
-/// The power of ten at or above.
-double decade_above(double value) { return value > 0.0 ? std::pow(10.0, std::ceil(std::log10(value) - 1e-9)) : 1.0; }
+/// A little beyond the next power of ten, so that no mark stands on the edge; not below `least`.
+double limit(double value, double least) {
+  return 1.6 * std::max(value > 0.0 ? std::pow(10.0, std::ceil(std::log10(value) - 1e-9)) : 0.0, least);
+}
 
 plot::Figure complex_plane(std::string title) {
   plot::Figure figure;
@@ -103,12 +105,11 @@ plot::Figure spectrum_figure(const StudyResults& results) {
     right = std::max(right, value.real());
     up = std::max(up, std::abs(value.imag()));
   }
-  // A little more than the data on each side; at least one decade around zero.
   const double threshold = plot::symlog_threshold(parts);
   figure.x.threshold = figure.y.threshold = threshold;
-  figure.x.low = -std::max(decade_above(1.2 * left), threshold);
-  figure.x.high = right > 0.0 ? std::max(decade_above(1.2 * right), threshold) : threshold;
-  figure.y.high = std::max(decade_above(1.2 * up), threshold);
+  figure.x.low = -limit(left, threshold);
+  figure.x.high = limit(right, threshold);
+  figure.y.high = limit(up, threshold);
   figure.y.low = -figure.y.high;
   figure.series.push_back(std::move(modes));
   if (!zeros.x.empty()) figure.series.push_back(std::move(zeros));
@@ -157,9 +158,9 @@ plot::Figure false_zero_figure(const Comparison& comparison) {
   add_points(exact, comparison.exact.unclaimed);
   add_points(differences, best.unclaimed);
   const double reach = std::max(comparison.exact.largest_false_zero, best.failure.empty() ? best.largest_false_zero : 0.0);
-  figure.x.high = figure.y.high = decade_above(1.2 * reach);
+  figure.x.high = figure.y.high = limit(reach, 1e-300);
   figure.x.low = figure.y.low = -figure.x.high;
-  figure.x.threshold = figure.y.threshold = figure.x.high * std::pow(10.0, -decades);
+  figure.x.threshold = figure.y.threshold = figure.x.high / 1.6 * std::pow(10.0, -decades);
   figure.series = {std::move(differences), std::move(exact)};
   return figure;
 }

@@ -24,7 +24,7 @@ caption { padding-bottom: 6px; } figure svg { width: 100%; height: auto; display
 .wide { overflow-x: auto; margin: 14px 0 20px; }
 table { border-collapse: collapse; font-size: 13.5px; font-variant-numeric: tabular-nums; }
 th { text-align: left; color: var(--soft); font-weight: 600; } th, td { padding: 4px 20px 4px 0; border-bottom: 1px solid var(--rule); white-space: nowrap; }
-td:last-child:not(.r) { white-space: normal; }
+td:last-child:not(.r) { white-space: normal; min-width: 7em; }
 th.r, td.r { text-align: right; } @media print { main { padding: 0; max-width: none; } }
 )";
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "linear/staircase.hpp"
 #include "system/analysis_error.hpp"
 
 // LAPACK has no C header of its own; this is its published calling sequence.
@@ -16,93 +17,265 @@ extern "C" void dgeevx_(const char* balanc, const char* jobvl, const char* jobvr
 namespace bramah {
 namespace {
 
+using Eigen::Index;
+using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
+using Eigen::VectorXcd;
 using Eigen::VectorXd;
+using Complex = std::complex<double>;
 
-// How far above its first-order error bound eps |A| condition a computed zero may sit.
-constexpr double zero_factor = 50.0;
+// How far above its first-order error bound eps |A| condition a computed eigenvalue may sit and still be called doubtful.
+constexpr double doubt = 50.0;
+// Components of a vector below this part of its largest are rounding.
+constexpr double negligible = 1e-7;
 
-Spectrum eigenvalues(MatrixXd A, const VectorXd& nominal, const std::vector<std::string>& names) {
+struct Eigensystem {
+  std::vector<Complex> values;
+  MatrixXcd right, left;
+  double norm = 0.0;
+};
+
+Eigensystem eigensystem(MatrixXd A, bool vectors) {
+  Eigensystem result;
   const auto n = static_cast<int>(A.rows());
-  Spectrum spectrum;
-  if (n == 0) return spectrum;
+  if (n == 0) return result;
   if (!A.allFinite()) throw AnalysisError("modes", "a Jacobian with entries that are not finite", "a finite Jacobian", "linearize at another state");
-  A = nominal.cwiseInverse().asDiagonal() * A * nominal.asDiagonal();
   const auto size = static_cast<std::size_t>(n);
   std::vector<double> wr(size), wi(size), scale(size), rconde(size), rcondv(size);
-  MatrixXd vl(n, n), vr(n, n);
+  MatrixXd vl(vectors ? n : 1, vectors ? n : 1), vr(vectors ? n : 1, vectors ? n : 1);
+  const auto ld = static_cast<int>(vl.rows());
   std::vector<int> iwork(2 * size);
+  const char* job = vectors ? "V" : "N";
   int ilo = 0, ihi = 0, info = 0, lwork = -1;
   double optimal = 0.0;
   const auto call = [&](double* work) {
-    dgeevx_("B", "V", "V", "E", &n, A.data(), &n, wr.data(), wi.data(), vl.data(), &n, vr.data(), &n, &ilo, &ihi, scale.data(),
-            &spectrum.norm, rconde.data(), rcondv.data(), work, &lwork, iwork.data(), &info);
+    dgeevx_("B", job, job, "N", &n, A.data(), &n, wr.data(), wi.data(), vl.data(), &ld, vr.data(), &ld, &ilo, &ihi, scale.data(),
+            &result.norm, rconde.data(), rcondv.data(), work, &lwork, iwork.data(), &info);
   };
   call(&optimal);
   lwork = static_cast<int>(optimal);
   std::vector<double> work(static_cast<std::size_t>(lwork));
   call(work.data());
   if (info != 0) throw AnalysisError("modes", "the QR iteration did not converge", "eigenvalues of the Jacobian", "check the model's scales");
-
-  std::vector<Mode> modes(size);
-  Eigen::MatrixXcd right(n, n);
-  for (std::size_t k = 0; k < size; ++k) {
-    const auto column = static_cast<int>(k);
-    Mode& mode = modes[k];
-    mode.eigenvalue = {wr[k], wi[k]};
-    mode.condition = rconde[k] > 0.0 ? 1.0 / rconde[k] : std::numeric_limits<double>::infinity();
-    const double bound = zero_factor * std::numeric_limits<double>::epsilon() * spectrum.norm * mode.condition;
-    mode.zero = std::abs(mode.eigenvalue) <= bound;
-    if (wi[k] > 0.0) {
-      right.col(column) = vr.col(column).cast<std::complex<double>>() + std::complex<double>(0, 1) * vr.col(column + 1);
-    } else if (wi[k] < 0.0) {
-      right.col(column) = right.col(column - 1).conjugate();
-    } else {
-      right.col(column) = vr.col(column).cast<std::complex<double>>();
-    }
-  }
-  std::vector<std::size_t> order(size);
-  std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    const Mode &p = modes[a], &q = modes[b];
-    if (p.zero != q.zero) return q.zero;
-    if (p.eigenvalue.real() != q.eigenvalue.real()) return p.eigenvalue.real() > q.eigenvalue.real();
-    return p.eigenvalue.imag() > q.eigenvalue.imag();
-  });
-  spectrum.right.resize(n, n);
-  for (std::size_t k = 0; k < size; ++k) {
-    Eigen::VectorXcd vector = right.col(static_cast<int>(order[k]));
-    Eigen::Index largest = 0;
-    vector.cwiseAbs().maxCoeff(&largest);
-    vector /= vector(largest);
-    Mode mode = modes[order[k]];
-    if (mode.zero) {
-      for (int i = 0; i < n; ++i) {
-        if (std::abs(vector(i)) > 1e-6) mode.cause += (mode.cause.empty() ? "a family of equilibria that moves " : ", ") + names[static_cast<std::size_t>(i)];
+  for (std::size_t k = 0; k < size; ++k) result.values.emplace_back(wr[k], wi[k]);
+  if (!vectors) return result;
+  const auto complex = [&](const MatrixXd& packed) {
+    MatrixXcd full(n, n);
+    for (int k = 0; k < n; ++k) {
+      const double imaginary = wi[static_cast<std::size_t>(k)];
+      if (imaginary > 0.0) {
+        full.col(k) = packed.col(k).cast<Complex>() + Complex(0, 1) * packed.col(k + 1);
+      } else if (imaginary < 0.0) {
+        full.col(k) = full.col(k - 1).conjugate();
+      } else {
+        full.col(k) = packed.col(k).cast<Complex>();
       }
     }
-    spectrum.modes.push_back(std::move(mode));
-    spectrum.right.col(static_cast<int>(k)) = nominal.cast<std::complex<double>>().asDiagonal() * vector;
+    return full;
+  };
+  result.right = complex(vr);
+  result.left = complex(vl);
+  return result;
+}
+
+VectorXd nominals(const LinearModel& model) {
+  VectorXd nominal(model.A.rows());
+  for (Index i = 0; i < nominal.size(); ++i) nominal(i) = model.states[static_cast<std::size_t>(i)].nominal;
+  return nominal;
+}
+
+/// The columns of B combined so that each has a 1 where all others have 0: as few names as possible in each.
+MatrixXd readable(const MatrixXd& B) {
+  if (B.cols() == 0) return B;
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(B.transpose());
+  MatrixXd square(B.cols(), B.cols());
+  for (Index k = 0; k < B.cols(); ++k) square.row(k) = B.row(qr.colsPermutation().indices()(k));
+  return B * square.inverse();
+}
+
+MatrixXd null_space(const MatrixXd& M) {
+  if (M.cols() == 0) return M;
+  const Eigen::JacobiSVD<MatrixXd> svd(M, Eigen::ComputeFullV);
+  const VectorXd s = svd.singularValues();
+  const double limit = 1e-9 * std::max(1.0, s.size() > 0 ? s(0) : 0.0);
+  Index rank = 0;
+  while (rank < s.size() && s(rank) > limit) ++rank;
+  return svd.matrixV().rightCols(M.cols() - rank);
+}
+
+/// Columns of `candidates` that are independent of `taken` and of each other.
+MatrixXd extend(const MatrixXd& taken, const MatrixXd& candidates, Index count) {
+  MatrixXd rest = candidates;
+  if (taken.cols() > 0) {
+    const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(taken).householderQ() * MatrixXd::Identity(taken.rows(), taken.cols());
+    rest -= Q * (Q.transpose() * rest);
   }
-  return spectrum;
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(rest);
+  MatrixXd chosen(candidates.rows(), count);
+  for (Index k = 0; k < count; ++k) chosen.col(k) = candidates.col(qr.colsPermutation().indices()(k));
+  return chosen;
+}
+
+std::vector<std::pair<std::string, double>> named(const LinearModel& model, const VectorXd& vector, const VectorXd& scale) {
+  std::vector<std::pair<std::string, double>> list;
+  const double largest = vector.cwiseAbs().maxCoeff();
+  for (Index i = 0; i < vector.size(); ++i) {
+    if (std::abs(vector(i)) > negligible * largest) list.emplace_back(model.states[static_cast<std::size_t>(i)].name, vector(i) * scale(i));
+  }
+  return list;
+}
+
+std::string joined(const std::vector<std::pair<std::string, double>>& list) {
+  std::string text;
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    if (k == 8) return text + ", ... (" + std::to_string(list.size()) + " in all)";
+    text += (k == 0 ? "" : ", ") + list[k].first;
+  }
+  return text;
+}
+
+/// What kind of zero moves along `v` (in nominals) in a Jordan block of `size`.
+ZeroBlock classify(const LinearModel& model, const VectorXd& v, int size, const VectorXd& nominal) {
+  ZeroBlock block;
+  block.size = size;
+  block.moves = named(model, v, nominal);
+  bool positions = false, dependent = false, pressures = false;
+  const double largest = v.cwiseAbs().maxCoeff();
+  std::vector<std::pair<std::string, double>> volumes;
+  for (Index i = 0; i < v.size(); ++i) {
+    if (std::abs(v(i)) <= negligible * largest) continue;
+    const std::string& kind = model.states[static_cast<std::size_t>(i)].kind;
+    positions = positions || kind == "x_ai" || kind == "x_ad" || kind == "x";
+    dependent = dependent || kind == "x_ad";
+    if (kind == "pressure") {
+      pressures = true;
+      volumes.emplace_back(model.states[static_cast<std::size_t>(i)].name, v(i));
+    }
+  }
+  const std::string names = joined(block.moves);
+  if (pressures) {
+    block.kind = "trapped oil volume";
+    block.cause = "trapped oil: " + joined(volumes) + (positions ? " shift together with " + names : " shift together");
+  } else if (positions && size >= 2) {
+    block.kind = dependent ? "nonholonomic drift" : "rigid-body or cyclic coordinate";
+    block.cause = (dependent ? "drift along nonholonomic rows: " : "nothing holds ") + names + " (Jordan block of size " + std::to_string(size) + ")";
+  } else if (positions) {
+    block.kind = dependent ? "nonholonomic drift" : "cyclic coordinate";
+    block.cause = (dependent ? "drift along nonholonomic rows: " : "nothing restores ") + names;
+  } else {
+    block.kind = "pure integrator";
+    block.cause = "integrates without return: " + names;
+  }
+  return block;
 }
 
 }  // namespace
 
-Spectrum find_spectrum(const LinearModel& model) {
-  VectorXd nominal(model.A.rows());
-  std::vector<std::string> names;
-  for (Eigen::Index i = 0; i < nominal.size(); ++i) {
-    nominal(i) = model.states[static_cast<std::size_t>(i)].nominal;
-    names.push_back(model.states[static_cast<std::size_t>(i)].name);
-  }
-  return eigenvalues(model.A, nominal, names);
+Index Spectrum::zero_count() const {
+  return std::count_if(modes.begin(), modes.end(), [](const Mode& m) { return m.zero; });
 }
 
-Spectrum find_spectrum(const MatrixXd& A) {
-  std::vector<std::string> names;
-  for (Eigen::Index i = 0; i < A.rows(); ++i) names.push_back("state " + std::to_string(i + 1));
-  return eigenvalues(A, VectorXd::Ones(A.rows()), names);
+std::vector<Complex> plain_eigenvalues(const MatrixXd& A) { return eigensystem(A, false).values; }
+
+std::vector<Complex> plain_eigenvalues(const LinearModel& model) {
+  const VectorXd nominal = nominals(model);
+  return plain_eigenvalues(MatrixXd(nominal.cwiseInverse().asDiagonal() * model.A * nominal.asDiagonal()));
+}
+
+Spectrum find_spectrum(const LinearModel& model) {
+  const VectorXd nominal = nominals(model);
+  const MatrixXd A = nominal.cwiseInverse().asDiagonal() * model.A * nominal.asDiagonal();
+  const Index n = A.rows();
+  Spectrum spectrum;
+  if (!A.allFinite()) throw AnalysisError("modes", "a Jacobian with entries that are not finite", "a finite Jacobian", "linearize at another state");
+  const Staircase stairs = find_staircase(A);
+  const Index z = stairs.zeros(), rest = n - z;
+  spectrum.smallest_accepted = stairs.accepted;
+  spectrum.largest_refused = stairs.refused;
+  const Eigensystem inner = eigensystem(stairs.triangular.bottomRightCorner(rest, rest), true);
+  spectrum.norm = A.norm();
+
+  // Vectors of A from those of the block: Q [y; v] with (lambda - A_zz) y = A_zr v, and Q [0; w].
+  std::vector<std::size_t> order(static_cast<std::size_t>(rest));
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    const Complex p = inner.values[a], q = inner.values[b];
+    return p.real() != q.real() ? p.real() > q.real() : p.imag() > q.imag();
+  });
+  spectrum.right = MatrixXcd::Zero(n, n);
+  spectrum.left = MatrixXcd::Zero(n, rest);
+  for (Index k = 0; k < rest; ++k) {
+    const std::size_t from = order[static_cast<std::size_t>(k)];
+    const auto column = static_cast<Index>(from);
+    Mode mode;
+    mode.eigenvalue = inner.values[from];
+    VectorXcd v(n), w = VectorXcd::Zero(n);
+    v.tail(rest) = inner.right.col(column);
+    w.tail(rest) = inner.left.col(column);
+    if (z > 0) {
+      const MatrixXcd shifted = mode.eigenvalue * MatrixXcd::Identity(z, z) - stairs.triangular.topLeftCorner(z, z).cast<Complex>();
+      v.head(z) = shifted.triangularView<Eigen::Upper>().solve(stairs.triangular.topRightCorner(z, rest).cast<Complex>() * v.tail(rest));
+    }
+    v = stairs.Q.cast<Complex>() * v;
+    w = stairs.Q.cast<Complex>() * w;
+    const Complex product = w.dot(v);  // w^H v
+    mode.condition = std::abs(product) > 0.0 ? w.norm() * v.norm() / std::abs(product) : std::numeric_limits<double>::infinity();
+    const double bound = doubt * std::numeric_limits<double>::epsilon() * spectrum.norm * mode.condition;
+    mode.doubtful = std::abs(mode.eigenvalue) <= bound;
+    Index largest = 0;
+    v.cwiseAbs().maxCoeff(&largest);
+    const Complex unit = v(largest);
+    v /= unit;
+    w *= std::conj(unit) / std::conj(product);
+    if (mode.doubtful) {
+      mode.cause = "numerically zero but unexplained: ranks say nonzero, rounding alone could make it; moves " +
+                   joined(named(model, v.cwiseAbs(), nominal));
+    }
+    spectrum.right.col(k) = nominal.cast<Complex>().asDiagonal() * v;
+    spectrum.left.col(k) = nominal.cwiseInverse().cast<Complex>().asDiagonal() * w;
+    spectrum.modes.push_back(std::move(mode));
+  }
+  if (z == 0) return spectrum;
+
+  // Jordan blocks: starting vectors of blocks of size >= k are A_zz^(k-1) null(A_zz^k), nested; longest first.
+  const MatrixXd nilpotent = stairs.triangular.topLeftCorner(z, z);
+  const std::vector<int> sizes = stairs.block_sizes();
+  MatrixXd taken(z, 0);
+  for (int k = sizes.front(); k >= 1; --k) {
+    const Index count = std::count(sizes.begin(), sizes.end(), k);
+    if (count == 0) continue;
+    MatrixXd power = MatrixXd::Identity(z, z);
+    for (int j = 1; j < k; ++j) power = power * nilpotent;
+    MatrixXd starts = power * null_space(power * nilpotent);
+    for (Index j = 0; j < starts.cols(); ++j) {
+      const double norm = starts.col(j).norm();
+      if (norm > 0.0) starts.col(j) /= norm;
+    }
+    const MatrixXd chosen = extend(taken, starts, count);
+    const MatrixXd vectors = readable(stairs.Q.leftCols(z) * chosen);
+    for (Index j = 0; j < count; ++j) spectrum.zeros.push_back(classify(model, vectors.col(j), k, nominal));
+    MatrixXd both(z, taken.cols() + count);
+    both << taken, chosen;
+    taken = both;
+  }
+  // Conserved sums: the left null space of A, each combined to few names.
+  const Staircase transposed = find_staircase(A.transpose());
+  const Index conserved = transposed.steps.empty() ? 0 : transposed.steps.front();
+  const MatrixXd left = readable(transposed.Q.leftCols(conserved));
+  for (Index j = 0; j < conserved; ++j) spectrum.conserved.push_back(named(model, left.col(j), nominal.cwiseInverse()));
+  for (const ZeroBlock& block : spectrum.zeros) {
+    for (int j = 0; j < block.size; ++j) {
+      Mode mode;
+      mode.eigenvalue = 0.0;
+      mode.zero = true;
+      mode.condition = std::numeric_limits<double>::infinity();
+      if (block.size == 1) mode.condition = 1.0;
+      mode.cause = block.cause;
+      spectrum.modes.push_back(mode);
+    }
+  }
+  spectrum.right.rightCols(z) = (nominal.asDiagonal() * stairs.Q.leftCols(z)).cast<Complex>();
+  return spectrum;
 }
 
 }  // namespace bramah

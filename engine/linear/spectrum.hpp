@@ -1,4 +1,7 @@
-// Eigenvalues of a linear model, with the condition of each and the cause of every zero.
+// Eigenvalues of a linear model with their vectors, conditions and participations, and the cause of every zero.
+//
+// Zeros are taken out first, by rank decisions (a staircase of null spaces), so that their Jordan blocks cannot scatter
+// into the rest: a defective zero of size k moves by eps^(1/k) in any QR iteration, and to either side of the axis.
 #pragma once
 
 #include <Eigen/Dense>
@@ -11,22 +14,38 @@
 namespace bramah {
 
 struct Mode {
-  std::complex<double> eigenvalue;
-  double condition = 1.0;  // of the eigenvalue: 1 / |cos(left, right eigenvector)| in balanced coordinates
-  bool zero = false;       // zero within its own rounding: |lambda| <= c eps |A| condition
-  std::string cause;       // of a zero: the states that move
+  std::complex<double> eigenvalue;  // exactly 0 for a zero
+  double condition = 1.0;           // of the eigenvalue: |w| |v| / |w^H v|, states in nominals
+  bool zero = false;
+  bool doubtful = false;            // a nonzero value that rounding alone could explain: |lambda| <= c eps |A| condition
+  std::string cause;                // of a zero or a doubtful value
+};
+
+/// A Jordan block of the eigenvalue 0.
+struct ZeroBlock {
+  int size = 1;
+  std::string kind;       // "rigid-body or cyclic coordinate", "trapped oil volume", "nonholonomic drift", ...
+  std::string cause;      // kind and names
+  std::vector<std::pair<std::string, double>> moves;  // its eigenvector: which states drift together (SI)
 };
 
 struct Spectrum {
-  std::vector<Mode> modes;             // zeros last, others by decreasing real part, then imaginary part
-  Eigen::MatrixXcd right;              // (states x modes) eigenvectors in SI, largest component (in nominals) 1
-  double norm = 0.0;                   // of the balanced matrix
+  std::vector<Mode> modes;          // nonzero ones by decreasing real, then imaginary part; zeros last
+  Eigen::MatrixXcd right, left;     // (states x modes); right: largest component in nominals is 1; left^H right = 1. Zero
+                                    // modes: a basis of the invariant subspace, no left vectors
+  std::vector<ZeroBlock> zeros;
+  std::vector<std::vector<std::pair<std::string, double>>> conserved;  // left null vectors: sums that keep their value (SI)
+  double norm = 0.0;                // of the matrix, states in nominals
+  double smallest_accepted = 1.0, largest_refused = 0.0;  // pivots that decided the ranks, relative to their rows
+  [[nodiscard]] Eigen::Index zero_count() const;
 };
 
-/// Eigenvalues of `model.A` by LAPACK (dgeevx, balanced), after scaling the states by their nominals.
+/// The spectrum of a reduced model: zeros by rank, the others by LAPACK (dgeevx, balanced), states in nominals.
 Spectrum find_spectrum(const LinearModel& model);
 
-/// The same for a bare matrix with states of nominal 1.
-Spectrum find_spectrum(const Eigen::MatrixXd& A);
+/// Eigenvalues as a QR iteration gives them, zeros scattered and all: what the comparison with augmented matrices shows.
+std::vector<std::complex<double>> plain_eigenvalues(const Eigen::MatrixXd& A);
+/// The same of model.A, states in nominals.
+std::vector<std::complex<double>> plain_eigenvalues(const LinearModel& model);
 
 }  // namespace bramah

@@ -64,8 +64,11 @@ std::string place_of(const System& system, const Outcome& outcome) {
   return outcome.component < 0 ? "" : "/components/" + system.component_name(outcome.component);
 }
 
+/// The first of the rows that are largest but for rounding: messages shall not depend on the last digit.
 Index worst(const Vector& rows) {
-  const auto it = std::max_element(rows.begin(), rows.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+  double largest = 0.0;
+  for (const double row : rows) largest = std::max(largest, std::abs(row));
+  const auto it = std::find_if(rows.begin(), rows.end(), [&](double row) { return std::abs(row) >= (1.0 - 1e-6) * largest; });
   return it == rows.end() ? -1 : it - rows.begin();
 }
 

@@ -72,173 +72,6 @@ std::vector<std::string> related(std::string_view word, const std::vector<std::s
   return list.empty() ? names : list;
 }
 
-namespace {
-
-bool begins_a_number(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" +-.");
-  return first != std::string_view::npos && text[first] >= '0' && text[first] <= '9';
-}
-
-bool is_infinite_or_nan(std::string_view text) {
-  const std::size_t first = std::min(text.find_first_not_of(" +-"), text.size());
-  std::string word;
-  for (const char c : text.substr(first, 3)) word += static_cast<char>(c | 0x20);
-  return word == "inf" || word == "nan";
-}
-
-std::vector<std::string> split(const std::string& list) {
-  std::vector<std::string> words;
-  for (std::size_t begin = 0; begin < list.size();) {
-    const std::size_t end = std::min(list.find(", ", begin), list.size());
-    words.push_back(list.substr(begin, end - begin));
-    begin = end + 2;
-  }
-  return words;
-}
-
-}  // namespace
-
-void Numbers::read_constants(const Value* section) {
-  if (section == nullptr || section->object() == nullptr) return;
-  for (const Member& member : *section->object()) {
-    const std::string where = pointer("/constants", member.key);
-    Constant& constant = constants_[member.key];
-    constant.written = description(member.value);
-    if (const double* number = member.value.number()) {
-      constant.value = *number;
-    } else if (const std::string* text = member.value.text()) {
-      const std::optional<Quantity> quantity = quantity_of(*text, where, "Pa");
-      if (!quantity) continue;
-      const std::optional<Unit> unit = unit_of(*quantity, *text, where, nullptr, "");
-      if (!unit) continue;
-      constant.value = unit->to_si(quantity->value);
-      constant.unit = *unit;
-      constant.plain = quantity->unit.empty();
-    } else {
-      faults_.add("wrong-kind", where, named(where) + " is " + description(member.value),
-                  "a number, or a number with a unit such as \"1500 MPa\"", "write one number");
-      continue;
-    }
-    constant.sound = is_finite(constant.value, where);
-  }
-}
-
-bool Numbers::is_finite(double value, const std::string& where) {
-  if (std::isfinite(value)) return true;
-  faults_.add("number-out-of-range", where, named(where) + " is not a finite number", "a number between -1.79e308 and 1.79e308 in SI units",
-              "check the exponent");
-  return false;
-}
-
-/// Number and unit of a text; a fault where it has no number.
-std::optional<Quantity> Numbers::quantity_of(const std::string& text, const std::string& where, std::string_view unit) {
-  const std::optional<Quantity> quantity = parse_quantity(text);
-  if (quantity) return quantity;
-  const std::string found = named(where) + " is " + description(text), example = "\"1 " + std::string(unit) + "\"";
-  if (begins_a_number(text)) {
-    faults_.add("number-out-of-range", where, found, "a number between -1.79e308 and 1.79e308", "check the exponent");
-  } else if (is_infinite_or_nan(text)) {
-    faults_.add("number-out-of-range", where, found, "a finite number", "write a number that the physics allows");
-  } else {
-    const bool is_constant = constants_.find(text) != constants_.end();
-    if (is_constant) used_.insert(text);
-    faults_.add("bad-number", where, found, "a number, or a number with a unit such as " + example,
-                is_constant ? "did you mean \"=" + text + "\"?" : "write the number first; constants are written \"=name\"");
-  }
-  return std::nullopt;
-}
-
-/// The unit of a quantity; a fault where it is none. `wanted` may be null: any dimension.
-std::optional<Unit> Numbers::unit_of(const Quantity& quantity, const std::string& text, const std::string& where, const Unit* wanted,
-                                     const std::string& shown) {
-  const std::optional<Unit> unit = parse_unit(quantity.unit);
-  if (unit) return unit;
-  std::string remedy = "write products with a dot: N.m, kg.m^2, m^3/(s.Pa^0.5)";
-  if (quantity.unit.front() == ',') {
-    remedy = "write a decimal point, not a comma";
-  } else if (wanted != nullptr) {
-    remedy = suggestion(quantity.unit, split(alternatives(*wanted)), remedy);
-  }
-  faults_.add("unknown-unit", where, named(where) + " is " + description(text) + ", and \"" + quantity.unit + "\" is no unit",
-              wanted == nullptr ? "a unit such as MPa, mm or kg/m^3" : "a unit for " + shown + ": " + alternatives(*wanted), remedy);
-  return std::nullopt;
-}
-
-std::optional<double> Numbers::read(const Value& value, const std::string& where, std::string_view unit_text) {
-  const std::optional<Unit> wanted = parse_unit(unit_text);
-  const std::string shown(unit_text.empty() ? "1" : unit_text);
-  if (const double* number = value.number()) return is_finite(*number, where) ? std::optional(*number) : std::nullopt;
-  const std::string* text = value.text();
-  if (text == nullptr) {
-    faults_.add("wrong-kind", where, named(where) + " is " + description(value),
-                shown == "1" ? std::string("a number") : "a number in " + shown + ", or text such as \"1 " + shown + "\"", "write one number");
-    return std::nullopt;
-  }
-  if (!text->empty() && text->front() == '=') return constant_value(text->substr(1), where, wanted, shown);
-  const std::optional<Quantity> quantity = quantity_of(*text, where, shown);
-  if (!quantity) return std::nullopt;
-  if (quantity->unit.empty()) return quantity->value;  // "0.3" as text: SI, like a plain number
-  const std::optional<Unit> unit = unit_of(*quantity, *text, where, wanted ? &*wanted : nullptr, shown);
-  if (!unit) return std::nullopt;
-  if (wanted && !unit->same_dimension(*wanted)) {
-    faults_.add("wrong-unit", where, named(where) + " is " + description(value),
-                shown == "1" ? std::string("a number without unit") : "a quantity in " + shown,
-                shown == "1" ? std::string("write the number alone")
-                             : "use one of " + alternatives(*wanted) + ", or a plain number, which is in " + shown);
-    return std::nullopt;
-  }
-  const double number = unit->to_si(quantity->value);
-  return is_finite(number, where) ? std::optional(number) : std::nullopt;
-}
-
-/// What "=name" stands for.
-std::optional<double> Numbers::constant_value(const std::string& name, const std::string& where, const std::optional<Unit>& wanted,
-                                              const std::string& shown) {
-  const auto constant = constants_.find(name);
-  if (constant == constants_.end()) {
-    std::vector<std::string> names;
-    for (const auto& [key, unused] : constants_) names.push_back(key);
-    const std::string meant = closest(name, names);
-    used_.insert(meant);
-    faults_.add("unknown-constant", where, named(where) + " is \"=" + name + "\", and there is no constant \"" + name + '"',
-                names.empty() ? "a name from the section \"constants\", which is empty" : "one of: " + quoted_list(names),
-                meant.empty() ? "add it to \"constants\"" : "did you mean \"=" + meant + "\"?");
-    return std::nullopt;
-  }
-  used_.insert(name);
-  if (!constant->second.sound) return std::nullopt;  // reported already
-  if (!constant->second.plain && wanted && !constant->second.unit.same_dimension(*wanted)) {
-    faults_.add("wrong-unit", where, named(where) + " is \"=" + name + "\", and that constant is " + constant->second.written,
-                "a quantity in " + shown, "use a constant in one of " + alternatives(*wanted));
-    return std::nullopt;
-  }
-  return constant->second.value;
-}
-
-namespace {
-
-bool refers(const Value& value, const std::string& reference) {
-  if (value.text() != nullptr) return *value.text() == reference;
-  if (value.list() != nullptr) {
-    return std::any_of(value.list()->begin(), value.list()->end(), [&](const Value& item) { return refers(item, reference); });
-  }
-  if (value.object() == nullptr) return false;
-  return std::any_of(value.object()->begin(), value.object()->end(), [&](const Member& m) { return refers(m.value, reference); });
-}
-
-}  // namespace
-
-void Numbers::report_unused(const Value& root) {
-  const Value* section = root.find("constants");
-  if (section == nullptr || section->object() == nullptr) return;
-  const bool all_read = faults_.list.empty();  // else it may be used where nothing could be read
-  for (const Member& member : *section->object()) {
-    if (used_.count(member.key) > 0 || (!all_read && refers(root, "=" + member.key))) continue;
-    faults_.add("unused", pointer("/constants", member.key), "constant \"" + member.key + "\" is used nowhere", "every constant to be used",
-                "remove it, or refer to it as \"=" + member.key + "\"", true);
-  }
-}
-
 }  // namespace compiling
 
 namespace {
@@ -671,7 +504,7 @@ class Compiler {
         s.inputs.push_back({draft.name, unit, &type, signal, instance, component});
       }
     }
-    if (s.n() + s.nz() == 0 && faults_.list.empty()) {
+    if (s.n() + s.nz() == 0 && faults_.list.empty() && faults_.unread.empty()) {
       faults_.add("no-variables", "/components", "components without any variable", "at least one body, volume or other owner of variables",
                   "add what moves or stores", true);
     }
@@ -968,6 +801,39 @@ class Compiler {
     }
   }
 
+  /// The pattern of a law that branches on the state is full, so that it seems to store wherever it is connected: clears
+  /// variables whose storage is zero at the start and at states around it.
+  void drop_without_storage(std::vector<bool>& stored) const {
+    const System& s = compiled_.system;
+    std::vector<bool> seen(s.z.size(), false);
+    Blocks blocks(s);
+    bool evaluated = false;
+    for (int trial = 0; trial < 4 && seen != stored; ++trial) {
+      State state = initial_state(s);
+      const auto move = [&](Vector& values, const std::vector<Variable>& variables, double share) {
+        for (std::size_t i = 0; i < variables.size(); ++i) {
+          values[i] += trial * share * variables[i].nominal * (1.0 + 0.618 * static_cast<double>(i % 7));
+        }
+      };
+      move(state.x, s.x, 0.0137);
+      move(state.v, s.x, 0.0253);
+      move(state.z, s.z, 0.0371);
+      if (!blocks.evaluate(s, state, Request{}.blocks({BRAMAH_G_ZDOT})).ok()) continue;
+      evaluated = true;
+      for (std::size_t k = 0; k < s.groups.size(); ++k) {
+        const Group& group = s.groups[k];
+        const bramah_pattern& p = group.pattern_views[BRAMAH_G_ZDOT];
+        const std::span<const double> values = blocks.block(k, BRAMAH_G_ZDOT);
+        for (std::size_t e = 0; e < values.size(); ++e) {
+          const std::size_t count = static_cast<std::size_t>(p.count), slots = static_cast<std::size_t>(group.type->nz);
+          const std::int32_t row = group.z[e / count * slots + static_cast<std::size_t>(p.row[e % count])];
+          if (row < s.nz() && values[e] != 0.0) seen[static_cast<std::size_t>(row)] = true;
+        }
+      }
+    }
+    for (std::size_t i = 0; evaluated && i < stored.size(); ++i) stored[i] = stored[i] && seen[i];
+  }
+
   /// A coordinate without inertia or constraint and a first-order variable without storage have no equation.
   void check_structure() {
     if (!faults_.list.empty()) return;
@@ -1000,6 +866,7 @@ class Compiler {
       faults_.add("no-equation", of(s.x[i]), "coordinate " + s.x[i].name + " has neither inertia nor a constraint",
                   "a body's mass or a constraint that acts on it", "connect what has mass or constrains it, or remove it", true);
     }
+    drop_without_storage(z_held);
     for (std::size_t i = 0; i < s.z.size(); ++i) {
       if (z_held[i]) continue;
       const bool pressure = s.z[i].kind == "pressure";

@@ -108,7 +108,7 @@ std::string missing_line(const std::string& output, const std::string& shown) {
   std::size_t at = 0;
   bool anywhere = false;
   for (const std::string& line : lines_of(shown)) {
-    if (line == "...") {
+    if (words_of(line) == std::vector<std::string>{"..."}) {
       anywhere = true;
       continue;
     }
@@ -175,8 +175,8 @@ TEST(Documents, NamesOfTheBorderExist) {
   std::string headers = contents("engine/abi/bramah/abi.h");
   for (const auto& entry : fs::directory_iterator(root / "engine/sdk/bramah"))
     headers += contents(entry.path().lexically_relative(root));
-  headers += contents("cmake/BramahPlugin.cmake") + contents("engine/plugin/registry.cpp") +
-             contents("engine/abi/CMakeLists.txt");
+  headers +=
+      contents("cmake/BramahPlugin.cmake") + contents("engine/plugin/registry.cpp") + contents("tests/CMakeLists.txt");
   static const std::regex name("(bramah_[a-z0-9_]+|BRAMAH_[A-Z0-9_]+|bramah\\.[a-z]+/[0-9]+)");
   for (const Document& document : documents()) {
     for (const Line& line : document.prose()) {

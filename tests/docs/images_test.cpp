@@ -51,6 +51,8 @@ TEST(Images, Transient) {
   for (Eigen::Index k = 0; k < X.cols(); ++k) linear.y.push_back(X(0, k));
 
   plot::Figure figure;
+  figure.width = 720;
+  figure.height = 260;
   figure.title = "Crank of the four-bar, friction x 1/10: the torque ends at 1.5 s";
   figure.x = {"time", "s"};
   figure.y = {"deviation from 60 deg", "rad"};
@@ -62,6 +64,7 @@ TEST(Images, Transient) {
 TEST(Images, Spectrum) {
   plot::Figure figure;
   figure.title = "Eigenvalues of the four-bar, three frictions";
+  figure.width = 720;
   figure.height = 300;
   figure.x = {"real part", "1/s", plot::Scale::symlog, -1e5, 10.0, 1.0};
   figure.y = {"imaginary part", "1/s", plot::Scale::symlog, -1e4, 1e4, 1.0};

@@ -103,7 +103,7 @@ TEST(Fuzz, DamagedScenesEndInSceneErrors) {
   }
   // Damage of every depth: to the syntax, to the meaning, and none that matters.
   EXPECT_GT(accepted, 20);
-  EXPECT_GT(compiled, 200);
+  EXPECT_GT(compiled, 50);
   EXPECT_GT(refused - compiled, 200);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::minutes(2));
 }

@@ -1,0 +1,65 @@
+// Every scene that we ship does what it asks for.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+
+#include "solve/assemble.hpp"
+#include "solve/simulate.hpp"
+#include "support/machine.hpp"
+
+namespace bramah::testing {
+namespace {
+
+std::vector<std::string> shipped() {
+  std::vector<std::string> files;
+  const std::filesystem::path root = BRAMAH_SOURCE_DIR;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root / "scenes")) {
+    if (entry.path().extension() == ".json") files.push_back(std::filesystem::relative(entry.path(), root).string());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+class Shipped : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Shipped, CompilesAndReachesItsReferenceState) {
+  const Machine machine = load(GetParam());
+  EXPECT_FALSE(machine.options().study.title.empty()) << "a scene has a title";
+  EXPECT_FALSE(machine.options().study.description.empty()) << "a scene says what it shows";
+  const bool equilibrium = machine.options().linearize.at == LinearizeOptions::At::equilibrium;
+  const State state = reference_state(machine.system(), machine.options(), equilibrium, 0.0);
+  Blocks blocks(machine.system());
+  const Violation violation = constraint_violation(machine.system(), state, blocks);
+  EXPECT_LT(violation.position, 1e-10);
+  EXPECT_LT(violation.velocity, 1e-10);
+  if (machine.options().linearize.asked) {
+    const LinearModel model = linear_model(machine, state);
+    EXPECT_TRUE(model.A.allFinite());
+    EXPECT_TRUE(model.B.allFinite());
+  }
+}
+
+TEST_P(Shipped, SimulatesWhatItAsksFor) {
+  const Machine machine = load(GetParam());
+  if (!machine.options().simulate.asked) return;
+  SimulateOptions options = machine.options().simulate;
+  const bool equilibrium = options.from == SimulateOptions::From::equilibrium;
+  const State start = reference_state(machine.system(), machine.options(), equilibrium, options.from_time);
+  long outputs = 0;
+  Observer observer;
+  observer.output = [&](const State&) { ++outputs; };
+  const Simulation run = simulate(machine.system(), options, start, observer);
+  EXPECT_DOUBLE_EQ(run.last.t, options.to_time);
+  EXPECT_GT(outputs, 1);
+  EXPECT_LT(run.statistics.worst_position, 1e-9) << run.statistics.worst_position_row;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Shipped, ::testing::ValuesIn(shipped()), [](const auto& p) {
+  std::string name = p.param;
+  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  return name;
+});
+
+}  // namespace
+}  // namespace bramah::testing
