@@ -22,10 +22,10 @@ namespace bramah::bench {
 namespace {
 
 // Above these the work takes minutes or many gigabytes; it is then reported as skipped.
-constexpr Index most_states_augmented = 6000;   // dense, (2n + nz)^2 doubles three times over
+constexpr Index most_states_augmented = 6000;  // dense, (2n + nz)^2 doubles three times over
 constexpr Index most_coordinates_differences = 100;
 constexpr Index most_states_spectrum = 400;
-constexpr double difference_step = 1e-5;        // where Fig. 14 has its minimum
+constexpr double difference_step = 1e-5;  // where Fig. 14 has its minimum
 
 // CPU time of this thread: other work on the machine does not count.
 double cpu_seconds() {
@@ -50,14 +50,16 @@ void describe(benchmark::State& run, const Case& c) {
 
 /// Measures `work` and reports how much longer it takes than `rival`, both alternately in the same run. The rival, which
 /// is the short one, is repeated, so that it does not always meet the memory that the other has left behind.
-void compare(benchmark::State& run, const char* ratio, const std::function<void()>& work, const std::function<void()>& rival) {
+void compare(benchmark::State& run, const char* ratio, const std::function<void()>& work,
+             const std::function<void()>& rival) {
   const double once = seconds_of(rival), other = seconds_of(work);
   const int repetitions = std::clamp(static_cast<int>(0.1 * other / once), 1, 100);
   double ours = 0.0, theirs = 0.0;
   for (auto _ : run) {
     theirs += seconds_of([&] {
                 for (int i = 0; i < repetitions; ++i) rival();
-              }) / repetitions;
+              }) /
+              repetitions;
     const double seconds = seconds_of(work);
     ours += seconds;
     run.SetIterationTime(seconds);
@@ -68,14 +70,15 @@ void compare(benchmark::State& run, const char* ratio, const std::function<void(
 /// Everything that one linearization asks for.
 Request all_rows() { return Request{}.rows("fgcrs"); }
 Request all_blocks() {
-  return all_rows().blocks({BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_G_X, BRAMAH_G_V, BRAMAH_G_Z,
-                            BRAMAH_G_ZDOT, BRAMAH_G_U, BRAMAH_C_X, BRAMAH_R_X, BRAMAH_R_V, BRAMAH_S_X, BRAMAH_S_V, BRAMAH_L_X});
+  return all_rows().blocks({BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_G_X, BRAMAH_G_V,
+                            BRAMAH_G_Z, BRAMAH_G_ZDOT, BRAMAH_G_U, BRAMAH_C_X, BRAMAH_R_X, BRAMAH_R_V, BRAMAH_S_X,
+                            BRAMAH_S_V, BRAMAH_L_X});
 }
 /// What an integrator asks for in every Newton iteration, and for its matrix.
 Request step_rows() { return Request{}.rows("fgcr"); }
 Request step_blocks() {
-  return Request{}.blocks({BRAMAH_F_X, BRAMAH_L_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_G_X, BRAMAH_G_V, BRAMAH_G_Z,
-                           BRAMAH_G_U, BRAMAH_G_ZDOT, BRAMAH_R_X, BRAMAH_R_V, BRAMAH_C_X});
+  return Request{}.blocks({BRAMAH_F_X, BRAMAH_L_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_G_X,
+                           BRAMAH_G_V, BRAMAH_G_Z, BRAMAH_G_U, BRAMAH_G_ZDOT, BRAMAH_R_X, BRAMAH_R_V, BRAMAH_C_X});
 }
 
 template <Request (*request)()>
@@ -92,7 +95,8 @@ void assembly(benchmark::State& run, const Case& c) {
 
 /// The matrix of Eq. (96) with values.
 struct KktMatrix {
-  explicit KktMatrix(const Machine& machine) : blocks(machine.system()), plan(Kkt(machine.system(), machine.partition.rows).matrix()) {
+  explicit KktMatrix(const Machine& machine)
+      : blocks(machine.system()), plan(Kkt(machine.system(), machine.partition.rows).matrix()) {
     blocks.evaluate(machine.system(), machine.state, Kkt::needed());
     fill();
   }
@@ -180,25 +184,31 @@ void linearize_reduced(benchmark::State& run, const Case& c) {
 void linearize_augmented(benchmark::State& run, const Case& c) {
   const Machine& machine = c.machine();
   const Index states = 2 * machine.system().n() + machine.system().nz();
-  if (states > most_states_augmented) return run.SkipWithError("skipped: the dense unreduced Jacobian takes several gigabytes");
+  if (states > most_states_augmented)
+    return run.SkipWithError("skipped: the dense unreduced Jacobian takes several gigabytes");
   Linearizer reduced(machine.system(), machine.partition), augmented(machine.system(), machine.partition);
   LinearModel small, large;
   reduced.linearize(machine.state, small);
   augmented.linearize_augmented(machine.state, large);
-  compare(run, "vs_reduced", [&] { augmented.linearize_augmented(machine.state, large); }, [&] { reduced.linearize(machine.state, small); });
+  compare(
+      run, "vs_reduced", [&] { augmented.linearize_augmented(machine.state, large); },
+      [&] { reduced.linearize(machine.state, small); });
   describe(run, c);
   run.counters["states"] = static_cast<double>(states);
 }
 
 void linearize_differences(benchmark::State& run, const Case& c) {
   const Machine& machine = c.machine();
-  if (machine.system().n() > most_coordinates_differences) return run.SkipWithError("skipped: dense inverses of this size take minutes");
+  if (machine.system().n() > most_coordinates_differences)
+    return run.SkipWithError("skipped: dense inverses of this size take minutes");
   Linearizer reduced(machine.system(), machine.partition);
   LinearModel small;
   reduced.linearize(machine.state, small);
   Eigen::MatrixXd J;
-  compare(run, "vs_reduced", [&] { J = augmented_by_differences(machine.system(), machine.partition, machine.state, difference_step); },
-          [&] { reduced.linearize(machine.state, small); });
+  compare(
+      run, "vs_reduced",
+      [&] { J = augmented_by_differences(machine.system(), machine.partition, machine.state, difference_step); },
+      [&] { reduced.linearize(machine.state, small); });
   describe(run, c);
   run.counters["states"] = static_cast<double>(J.rows());
 }
@@ -212,7 +222,9 @@ void spectrum_augmented(benchmark::State& run, const Case& c) {
   LinearModel small, large;
   linearizer.linearize(machine.state, small);
   linearizer.linearize_augmented(machine.state, large);
-  compare(run, "vs_reduced", [&] { benchmark::DoNotOptimize(find_spectrum(large)); }, [&] { benchmark::DoNotOptimize(find_spectrum(small)); });
+  compare(
+      run, "vs_reduced", [&] { benchmark::DoNotOptimize(find_spectrum(large)); },
+      [&] { benchmark::DoNotOptimize(find_spectrum(small)); });
   describe(run, c);
   run.counters["states"] = static_cast<double>(states);
 }
@@ -222,7 +234,8 @@ void spectrum_reduced(benchmark::State& run, const Case& c) {
   Linearizer linearizer(machine.system(), machine.partition);
   LinearModel model;
   linearizer.linearize(machine.state, model);
-  if (model.A.rows() > most_states_spectrum) return run.SkipWithError("skipped: dense eigenvalues of this size take minutes");
+  if (model.A.rows() > most_states_spectrum)
+    return run.SkipWithError("skipped: dense eigenvalues of this size take minutes");
   for (auto _ : run) benchmark::DoNotOptimize(find_spectrum(model));
   describe(run, c);
   run.counters["states"] = static_cast<double>(model.A.rows());
@@ -258,7 +271,8 @@ void ida_step(benchmark::State& run, const Case& c) {
     const Simulation simulation = simulate(machine.system(), options, machine.state, observer);
     if (steps <= first) return run.SkipWithError("the simulation ended before step 50");
     run.SetIterationTime((end - begin) / static_cast<double>(steps - first));
-    newton = static_cast<double>(simulation.statistics.newton_iterations) / static_cast<double>(simulation.statistics.steps);
+    newton =
+        static_cast<double>(simulation.statistics.newton_iterations) / static_cast<double>(simulation.statistics.steps);
   }
   describe(run, c);
   run.counters["newton"] = newton;
@@ -266,8 +280,9 @@ void ida_step(benchmark::State& run, const Case& c) {
 }
 
 void load_text(benchmark::State& run, const Case& c) {
-  const std::string text = c.family() == "four_bar" ? read_source(BRAMAH_SOURCE_DIR "/scenes/four_bar/overdamped.json").text
-                                                    : support::scene_text(c.at_rest());
+  const std::string text = c.family() == "four_bar"
+                               ? read_source(BRAMAH_SOURCE_DIR "/scenes/four_bar/overdamped.json").text
+                               : support::scene_text(c.at_rest());
   for (auto _ : run) benchmark::DoNotOptimize(read_scene_text(text, "scene.json"));
   describe(run, c);
   run.counters["bytes"] = static_cast<double>(text.size());
@@ -319,7 +334,8 @@ void add_benchmarks() {
           state.SkipWithError(error.what());
         }
       };
-      benchmark::internal::Benchmark* added = benchmark::RegisterBenchmark((std::string(work.name) + "/" + c.name()).c_str(), run);
+      benchmark::internal::Benchmark* added =
+          benchmark::RegisterBenchmark((std::string(work.name) + "/" + c.name()).c_str(), run);
       added->Unit(benchmark::kMicrosecond);
       if (work.time != Work::Time::thread) added->UseManualTime();
       if (work.time == Work::Time::once) added->Iterations(1);

@@ -13,7 +13,9 @@ const auto four_bar = [](int) { return support::four_bar_scene(); };
 const auto planar = [](int links) { return support::planar_chain(links); };
 const auto planar_bent = [](int links) { return support::planar_chain(links, support::bent(bend)); };
 const auto spatial = [](int links) { return support::spatial_chain(links); };
-const auto spatial_bent = [](int links) { return support::spatial_chain(links, support::Axes::alternating, support::bent(bend)); };
+const auto spatial_bent = [](int links) {
+  return support::spatial_chain(links, support::Axes::alternating, support::bent(bend));
+};
 
 }  // namespace
 

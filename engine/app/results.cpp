@@ -53,16 +53,6 @@ void write_free_directions(JsonWriter& json, const std::vector<FreeDirection>& d
   json.end_list();
 }
 
-/// |left x right| of each state (row) in each mode (column), columns of sum 1: whatever the units.
-Eigen::MatrixXd participation(const LinearModel& model, const Spectrum& spectrum) {
-  Eigen::MatrixXcd right = spectrum.right;
-  for (Eigen::Index i = 0; i < right.rows(); ++i) right.row(i) /= model.states[static_cast<std::size_t>(i)].nominal;
-  const Eigen::MatrixXcd left = right.completeOrthogonalDecomposition().pseudoInverse();
-  Eigen::MatrixXd shares = right.cwiseProduct(left.transpose()).cwiseAbs();
-  for (Eigen::Index k = 0; k < shares.cols(); ++k) shares.col(k) /= std::max(shares.col(k).sum(), 1e-300);
-  return shares;
-}
-
 /// "V2.p 52 %, crank.angle.rate 41 %": the largest three, without trifles.
 std::string involved_states(const LinearModel& model, const Eigen::VectorXd& shares) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(shares.size()));
@@ -270,7 +260,7 @@ std::string spectrum_document(const LinearModel& model, const Spectrum& spectrum
 
 Table spectrum_table(const LinearModel& model, const Spectrum& spectrum) {
   Table table{{"eigenvalue (1/s)", "damping", "frequency", "condition", "of which states"}, {}, "lrrrl"};
-  const Eigen::MatrixXd shares = participation(model, spectrum);
+  const Eigen::MatrixXd shares = participation(spectrum);
   for (std::size_t k = 0; k < spectrum.modes.size(); ++k) {
     const Mode& mode = spectrum.modes[k];
     const double hertz = std::abs(mode.eigenvalue.imag()) / (2.0 * std::numbers::pi);

@@ -85,10 +85,11 @@ std::string study_page(const Context& context, const StudyResults& results, cons
     report.paragraph("False zeros stand for nothing in the machine. Those with a positive real part would be read as an instability.");
   }
 
-  report.heading("Equilibrium");
-  report.table(variables_table(system, results.equilibrium.state));
-  if (system.m() + system.l() > 0) report.table(multipliers_table(system, results.equilibrium.state));
-  paragraphs(report, free_directions_text(results.equilibrium.free_directions));
+  const State& state = results.equilibrium ? results.equilibrium->state : results.linear.state;
+  report.heading(results.equilibrium ? "Equilibrium" : "Start state");
+  report.table(variables_table(system, state));
+  if (system.m() + system.l() > 0) report.table(multipliers_table(system, state));
+  if (results.equilibrium) paragraphs(report, free_directions_text(results.equilibrium->free_directions));
 
   report.heading("Sizes");
   report.table(sizes_table(sizes_of(system, &results.linear.partition)));

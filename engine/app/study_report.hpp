@@ -15,7 +15,7 @@ namespace bramah {
 
 /// All that a study has found; what the scene did not ask for is missing.
 struct StudyResults {
-  Equilibrium equilibrium;
+  std::optional<Equilibrium> equilibrium;
   Linearization linear;
   Spectrum spectrum;
   std::optional<Transient> transient;

@@ -53,7 +53,7 @@ SimulateOptions simulate_options(const Context& context, const Spectrum& spectru
 
 void simulate_study(const Context& context, Folder& folder, StudyResults& results) {
   const SimulateOptions options = simulate_options(context, results.spectrum);
-  const State* start = options.from == SimulateOptions::From::equilibrium ? &results.equilibrium.state : nullptr;
+  const State* start = options.from == SimulateOptions::From::equilibrium ? &results.equilibrium->state : nullptr;
   OutputFile csv(folder.path() / "time_series.csv");
   csv.write(csv_header(context.options().outputs));
   const double linear_from = context.options().study.linear_from;
@@ -137,12 +137,20 @@ std::string text(const Context& context, const StudyResults& results, const Fold
   return out + "\nResults are in " + folder.path().string() + "; open " + (folder.path() / "report.html").string() + '\n';
 }
 
+/// A vehicle that rolls on has none, and its scene does not ask for one.
+bool needs_equilibrium(const Options& options) {
+  return options.linearize.at == LinearizeOptions::At::equilibrium ||
+         (options.simulate.asked && options.simulate.from == SimulateOptions::From::equilibrium);
+}
+
 int run(const Arguments& arguments) {
   const Context context = load(arguments);
   Folder folder(arguments.out.empty() ? fs::path("results") / fs::path(arguments.subject).stem() : fs::path(arguments.out));
   StudyResults results;
-  results.equilibrium = find_equilibrium(context.system(), context.options().equilibrium, context.start_time());
-  folder.write("equilibrium.json", equilibrium_document(context.system(), results.equilibrium));
+  if (needs_equilibrium(context.options())) {
+    results.equilibrium = find_equilibrium(context.system(), context.options().equilibrium, context.start_time());
+    folder.write("equilibrium.json", equilibrium_document(context.system(), *results.equilibrium));
+  }
   results.linear = linearize(context);
   folder.write("linear_model.json", linear_document(context.system(), results.linear));
   results.spectrum = find_spectrum(results.linear.model);
@@ -168,11 +176,12 @@ int run(const Arguments& arguments) {
 
 constinit const Verb verb_study = {
     "study", "SCENE", "all that the scene asks for, into a folder with a report",
-    R"(Finds the equilibrium, linearizes, computes the spectrum; simulates if the scene has "simulate", with the linear model
-beside it from "study": {"linear_from": time} on (outputs are closer there); compares if the scene has "compare". Without
---out the folder is results/NAME-OF-SCENE. Open report.html in a browser; it needs nothing else.
+    R"(Finds the equilibrium (unless the scene begins at its start state throughout), linearizes, computes the spectrum;
+simulates if the scene has "simulate", with the linear model beside it from "study": {"linear_from": time} on, where
+outputs are closer; compares if the scene has "compare". Without --out the folder is results/NAME-OF-SCENE. Open
+report.html in a browser; it needs nothing else.
 
-Examples
+Example
   bramah study scenes/four_bar/overdamped.json --out results/four_bar
 
 Writes equilibrium.json, linear_model.json, spectrum.json, time_series.csv, linear_response.csv, compare.json,

@@ -175,6 +175,12 @@ Index Spectrum::zero_count() const {
   return std::count_if(modes.begin(), modes.end(), [](const Mode& m) { return m.zero; });
 }
 
+MatrixXd participation(const Spectrum& spectrum) {
+  MatrixXd shares = spectrum.left.conjugate().cwiseProduct(spectrum.right.leftCols(spectrum.left.cols())).cwiseAbs();
+  for (Index k = 0; k < shares.cols(); ++k) shares.col(k) /= std::max(shares.col(k).sum(), std::numeric_limits<double>::min());
+  return shares;
+}
+
 std::vector<Complex> plain_eigenvalues(const MatrixXd& A) { return eigensystem(A, false).values; }
 
 std::vector<Complex> plain_eigenvalues(const LinearModel& model) {

@@ -43,6 +43,9 @@ struct Spectrum {
 /// The spectrum of a reduced model: zeros by rank, the others by LAPACK (dgeevx, balanced), states in nominals.
 Spectrum find_spectrum(const LinearModel& model);
 
+/// Participation of each state (row) in each nonzero mode (column): |left x right|, columns of sum 1, whatever the units.
+Eigen::MatrixXd participation(const Spectrum& spectrum);
+
 /// Eigenvalues as a QR iteration gives them, zeros scattered and all: what the comparison with augmented matrices shows.
 std::vector<std::complex<double>> plain_eigenvalues(const Eigen::MatrixXd& A);
 /// The same of model.A, states in nominals.

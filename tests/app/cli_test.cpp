@@ -264,6 +264,17 @@ TEST_F(Cli, StudyDoesOnlyWhatTheSceneAsksFor) {
   EXPECT_FALSE(fs::exists(folder_ / "results/plain/compare.json"));
 }
 
+TEST_F(Cli, StudyAtTheStartNeedsNoEquilibrium) {
+  write("rolling.json", R"({ "bramah": 1, "libraries": ["mechanics"],
+    "components": { "sled": { "type": "mechanics/planar_body", "mass": 2, "inertia": 1, "velocity": [3, 0] } },
+    "linearize": { "at": "start" }, "simulate": { "from": "start", "to_time": 1, "output_step": 0.1 } })");
+  const Ended run = bramah("study rolling.json --out out");
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_FALSE(fs::exists(folder_ / "out/equilibrium.json"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/time_series.csv"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/report.html"));
+}
+
 // ---- failures ----
 
 TEST_F(Cli, WrongSceneTellsEverythingAndExitsWithTwo) {

@@ -77,7 +77,8 @@ void expect_oscillations(const Spectrum& spectrum, std::vector<double> expected)
   ASSERT_EQ(spectrum.modes.size(), 2 * expected.size());
   ASSERT_EQ(found.size(), expected.size());
   std::sort(found.begin(), found.end());
-  for (std::size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k], expected[k], 1e-10 * expected[k]) << "frequency " << k;
+  for (std::size_t k = 0; k < found.size(); ++k)
+    EXPECT_NEAR(found[k], expected[k], 1e-10 * expected[k]) << "frequency " << k;
 }
 
 class ChainSpectrum : public testing::TestWithParam<int> {};
@@ -89,7 +90,8 @@ TEST_P(ChainSpectrum, OfPlanarRodsIsThatOfTheMultiPendulum) {
 
 TEST_P(ChainSpectrum, WithParallelAxesInSpaceIsThatOfTheMultiPendulum) {
   const int links = GetParam();
-  expect_oscillations(Hanging(spatial_chain(links, Axes::parallel)).reduced(), pendulum_frequencies(links, each_on_its_own(links)));
+  expect_oscillations(Hanging(spatial_chain(links, Axes::parallel)).reduced(),
+                      pendulum_frequencies(links, each_on_its_own(links)));
 }
 
 // Axes along y and x in turn: the planes decouple, and in each every second joint is rigid. Links 1 and 2, 3 and 4, ...

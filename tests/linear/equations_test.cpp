@@ -139,7 +139,12 @@ std::vector<std::string> with(std::vector<std::string> list, std::initializer_li
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Equations,
                          ::testing::Values(Case{"planar_four_bar", "scenes/four_bar/overdamped.json", with(in_motion, {"start.crank.angle=50 deg", "start.crank.angle.rate=0.4"})},
-                                           Case{"spatial_four_bar", "scenes/four_bar/spatial.json", with(in_motion, {"start.crank.e1.rate=0.15"})}),
+                                           Case{"spatial_four_bar", "scenes/four_bar/spatial.json", with(in_motion, {"start.crank.e1.rate=0.15"})},
+                                           Case{"bicycle", "scenes/bicycle/benchmark.json", {}},
+                                           Case{"articulated_vehicle", "scenes/articulated_vehicle/straight.json", {}},
+                                           Case{"turning_disc", "scenes/rolling/turning_disc.json", {}},
+                                           Case{"torus_out_of_its_steady_motion", "scenes/rolling/torus.json", {"start.wheel.lean=0.2", "start.wheel.yaw.rate=0.3"}},
+                                           Case{"skate", "scenes/rolling/skate.json", {}}),
                          [](const auto& p) { return p.param.name; });
 
 }  // namespace

@@ -41,7 +41,8 @@ TEST_P(HangingChain, PlanarJointsCarryTheWeightBelow) {
   const double weight = links * rod_mass * gravity;
   for (int i = 1; i <= links; ++i) {
     const std::string joint = "joint_" + std::to_string(i), link = "link_" + std::to_string(i);
-    EXPECT_NEAR(multiplier(chain.system, state, joint + ".y"), (links - i + 1) * rod_mass * gravity, 1e-11 * weight) << joint;
+    EXPECT_NEAR(multiplier(chain.system, state, joint + ".y"), (links - i + 1) * rod_mass * gravity, 1e-11 * weight)
+        << joint;
     EXPECT_NEAR(multiplier(chain.system, state, joint + ".x"), 0.0, 1e-11 * weight) << joint;
     EXPECT_NEAR(position(chain.system, state, link + ".angle"), -0.5 * std::numbers::pi, 1e-10) << link;
     EXPECT_NEAR(position(chain.system, state, link + ".y"), -(i - 0.5) * rod_length, 1e-11 * links) << link;
@@ -55,7 +56,8 @@ TEST_P(HangingChain, SpatialJointsCarryTheWeightBelow) {
   const double weight = links * rod_mass * gravity;
   for (int i = 1; i <= links; ++i) {
     const std::string joint = "joint_" + std::to_string(i), link = "link_" + std::to_string(i);
-    EXPECT_NEAR(multiplier(chain.system, state, joint + ".z"), (links - i + 1) * rod_mass * gravity, 1e-11 * weight) << joint;
+    EXPECT_NEAR(multiplier(chain.system, state, joint + ".z"), (links - i + 1) * rod_mass * gravity, 1e-11 * weight)
+        << joint;
     for (const char* row : {".x", ".y", ".tilt_1", ".tilt_2"}) {
       EXPECT_NEAR(multiplier(chain.system, state, joint + row), 0.0, 1e-11 * weight) << joint << row;
     }
@@ -71,7 +73,8 @@ double energy(const System& system, const State& state, int links) {
     const std::string link = "link_" + std::to_string(i);
     const double vx = velocity(system, state, link + ".x"), vy = velocity(system, state, link + ".y"),
                  rate = velocity(system, state, link + ".angle");
-    sum += 0.5 * rod_mass * (vx * vx + vy * vy) + 0.5 * rod_inertia * rate * rate + rod_mass * gravity * position(system, state, link + ".y");
+    sum += 0.5 * rod_mass * (vx * vx + vy * vy) + 0.5 * rod_inertia * rate * rate +
+           rod_mass * gravity * position(system, state, link + ".y");
   }
   return sum;
 }
@@ -84,7 +87,9 @@ TEST(SwingingChain, KeepsItsEnergyAndItsJoints) {
   const double before = energy(chain.system, start, links), lowest = energy(chain.system, rest, links);
   double drift = 0.0;
   Observer observer;
-  observer.output = [&](const State& state) { drift = std::max(drift, std::abs(energy(chain.system, state, links) - before)); };
+  observer.output = [&](const State& state) {
+    drift = std::max(drift, std::abs(energy(chain.system, state, links) - before));
+  };
   SimulateOptions options;
   options.to_time = 1.0;
   options.output_step = 0.02;
@@ -99,7 +104,8 @@ TEST(SwingingChain, KeepsItsEnergyAndItsJoints) {
 // With parallel axes the bodies with Euler parameters move as the planar ones do.
 TEST(SwingingChain, IsTheSameInSpaceAndInThePlane) {
   constexpr int links = 3;
-  const Compiled flat = compiled(planar_chain(links, bent(0.4))), spatial = compiled(spatial_chain(links, Axes::parallel, bent(-0.4)));
+  const Compiled flat = compiled(planar_chain(links, bent(0.4))),
+                 spatial = compiled(spatial_chain(links, Axes::parallel, bent(-0.4)));
   SimulateOptions options;
   options.to_time = 1.0;
   options.output_step = 1.0;

@@ -28,7 +28,10 @@ Value names(std::initializer_list<const char*> texts) {
 
 Scene scene_of(std::string title, Value libraries, Value::Object components) {
   Scene scene;
-  scene.root = Value::Object{{"bramah", 1}, {"title", std::move(title)}, {"libraries", std::move(libraries)}, {"components", std::move(components)}};
+  scene.root = Value::Object{{"bramah", 1},
+                             {"title", std::move(title)},
+                             {"libraries", std::move(libraries)},
+                             {"components", std::move(components)}};
   return scene;
 }
 
@@ -39,18 +42,22 @@ Value::Object surroundings(Value acceleration) {
 
 /// A rod whose x-axis runs along it, at `angle` from the x-axis of the ground.
 Value planar_rod(double x, double y, double angle) {
-  return Value::Object{{"type", "mechanics/planar_body"}, {"gravity", "gravity"}, {"mass", rod_mass}, {"inertia", rod_inertia},
-                       {"position", list({x, y})},        {"angle", angle}};
+  return Value::Object{{"type", "mechanics/planar_body"}, {"gravity", "gravity"},     {"mass", rod_mass},
+                       {"inertia", rod_inertia},          {"position", list({x, y})}, {"angle", angle}};
 }
 Value planar_revolute(std::string a, Value point_a, std::string b, Value point_b) {
-  return Value::Object{{"type", "mechanics/planar_revolute"}, {"a", std::move(a)}, {"point_a", std::move(point_a)},
-                       {"b", std::move(b)},                   {"point_b", std::move(point_b)}};
+  return Value::Object{{"type", "mechanics/planar_revolute"},
+                       {"a", std::move(a)},
+                       {"point_a", std::move(point_a)},
+                       {"b", std::move(b)},
+                       {"point_b", std::move(point_b)}};
 }
 
 struct PlanarPlace {
   double x = 0.0, y = 0.0, angle = 0.0;
   [[nodiscard]] std::array<double, 2> at(double along, double across) const {
-    return {x + along * std::cos(angle) - across * std::sin(angle), y + along * std::sin(angle) + across * std::cos(angle)};
+    return {x + along * std::cos(angle) - across * std::sin(angle),
+            y + along * std::sin(angle) + across * std::cos(angle)};
   }
 };
 
@@ -66,9 +73,10 @@ std::vector<PlanarPlace> add_planar_chain(Value::Object& components, int links, 
     joint = place.at(half, 0.0);
     places.push_back(place);
     components.push_back({numbered("link_", i), planar_rod(place.x, place.y, place.angle)});
-    components.push_back({numbered("joint_", i), i == 1 ? planar_revolute("ground", list({0, 0}), "link_1", list({-half, 0}))
-                                                        : planar_revolute(numbered("link_", i - 1), list({half, 0}),
-                                                                          numbered("link_", i), list({-half, 0}))});
+    components.push_back(
+        {numbered("joint_", i),
+         i == 1 ? planar_revolute("ground", list({0, 0}), "link_1", list({-half, 0}))
+                : planar_revolute(numbered("link_", i - 1), list({half, 0}), numbered("link_", i), list({-half, 0}))});
   }
   return places;
 }
@@ -79,7 +87,8 @@ Quaternion product(const Quaternion& p, const Quaternion& q) {
 }
 /// The body's z-axis in ground axes.
 Point z_axis(const Quaternion& q) {
-  return {2.0 * (q[1] * q[3] + q[0] * q[2]), 2.0 * (q[2] * q[3] - q[0] * q[1]), 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2])};
+  return {2.0 * (q[1] * q[3] + q[0] * q[2]), 2.0 * (q[2] * q[3] - q[0] * q[1]),
+          1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2])};
 }
 /// Axis times angle.
 Value rotation_vector(const Quaternion& q) {
@@ -114,23 +123,24 @@ Scene spatial_chain(int links, Axes axes, const Shape& shape) {
     const double sine = std::sin(0.5 * shape(i)), cosine = std::cos(0.5 * shape(i));
     orientation = product(orientation, about_x ? Quaternion{cosine, sine, 0, 0} : Quaternion{cosine, 0, sine, 0});
     const Point up = z_axis(orientation);
-    components.push_back({numbered("link_", i),
-                          Value::Object{{"type", "mechanics/rigid_body"},
-                                        {"gravity", "gravity"},
-                                        {"mass", rod_mass},
-                                        {"inertia", list({rod_inertia, rod_inertia, 0})},
-                                        {"position", list({joint[0] - half * up[0], joint[1] - half * up[1], joint[2] - half * up[2]})},
-                                        {"rotation", rotation_vector(orientation)}}});
+    components.push_back(
+        {numbered("link_", i),
+         Value::Object{{"type", "mechanics/rigid_body"},
+                       {"gravity", "gravity"},
+                       {"mass", rod_mass},
+                       {"inertia", list({rod_inertia, rod_inertia, 0})},
+                       {"position", list({joint[0] - half * up[0], joint[1] - half * up[1], joint[2] - half * up[2]})},
+                       {"rotation", rotation_vector(orientation)}}});
     for (std::size_t k = 0; k < 3; ++k) joint[k] -= rod_length * up[k];
     const auto axis = [&] { return about_x ? list({1, 0, 0}) : list({0, 1, 0}); };
-    components.push_back({numbered("joint_", i),
-                          Value::Object{{"type", "mechanics/revolute"},
-                                        {"a", i == 1 ? std::string("ground") : numbered("link_", i - 1)},
-                                        {"point_a", list({0, 0, i == 1 ? 0.0 : -half})},
-                                        {"axis_a", axis()},
-                                        {"b", numbered("link_", i)},
-                                        {"point_b", list({0, 0, half})},
-                                        {"axis_b", axis()}}});
+    components.push_back(
+        {numbered("joint_", i), Value::Object{{"type", "mechanics/revolute"},
+                                              {"a", i == 1 ? std::string("ground") : numbered("link_", i - 1)},
+                                              {"point_a", list({0, 0, i == 1 ? 0.0 : -half})},
+                                              {"axis_a", axis()},
+                                              {"b", numbered("link_", i)},
+                                              {"point_b", list({0, 0, half})},
+                                              {"axis_b", axis()}}});
   }
   return scene_of("Spatial chain of " + std::to_string(links) + " links", names({"mechanics"}), std::move(components));
 }
@@ -143,7 +153,8 @@ Scene hydraulic_chain(int links, int every, const Shape& shape) {
   Value::List hold;
   for (int i = 1; i <= links; i += every) {
     // From centre to centre, beside the joint; from the ground where a link above joint 1 would have its centre.
-    const std::array<double, 2> from = i == 1 ? std::array{offset, half} : places[static_cast<std::size_t>(i) - 2].at(0.0, offset);
+    const std::array<double, 2> from =
+        i == 1 ? std::array{offset, half} : places[static_cast<std::size_t>(i) - 2].at(0.0, offset);
     const std::array<double, 2> to = places[static_cast<std::size_t>(i) - 1].at(0.0, offset);
     const std::string piston = numbered("piston_", i), head = numbered("head_", i), rod = numbered("rod_", i);
     components.push_back({piston, Value::Object{{"type", "mechanics/planar_stroke"},
@@ -154,15 +165,31 @@ Scene hydraulic_chain(int links, int every, const Shape& shape) {
                                                 {"length", std::hypot(to[0] - from[0], to[1] - from[1])}}});
     for (const std::string& volume : {head, rod}) {
       components.push_back({volume, Value::Object{{"type", "hydraulics/volume"}}});
-      components.push_back({"hose_" + volume, Value::Object{{"type", "hydraulics/hose"}, {"volume", volume}, {"V_h", 1e-4}, {"B_h", 5.5e8}, {"B_oil", 1.5e9}}});
+      components.push_back(
+          {"hose_" + volume,
+           Value::Object{
+               {"type", "hydraulics/hose"}, {"volume", volume}, {"V_h", 1e-4}, {"B_h", 5.5e8}, {"B_oil", 1.5e9}}});
       start.push_back({volume + ".p", 1e5});
     }
-    components.push_back({numbered("cylinder_", i), Value::Object{{"type", "hydraulics/cylinder"}, {"stroke", piston + ".s"}, {"piston_side", head}, {"rod_side", rod},
-                                                                  {"D_2", 0.05}, {"D_3", 0.005}, {"l", 1.3}, {"c_1", 0.3}, {"c_2", 0.05}, {"B_oil", 1.5e9}, {"B_c", 3.15e10}}});
-    components.push_back({numbered("throttle_", i), Value::Object{{"type", "hydraulics/throttle"}, {"a", head}, {"b", rod}, {"C_d", 0.8}, {"A_t", 1e-6}, {"rho_oil", 850}}});
+    components.push_back({numbered("cylinder_", i), Value::Object{{"type", "hydraulics/cylinder"},
+                                                                  {"stroke", piston + ".s"},
+                                                                  {"piston_side", head},
+                                                                  {"rod_side", rod},
+                                                                  {"D_2", 0.05},
+                                                                  {"D_3", 0.005},
+                                                                  {"l", 1.3},
+                                                                  {"c_1", 0.3},
+                                                                  {"c_2", 0.05},
+                                                                  {"B_oil", 1.5e9},
+                                                                  {"B_c", 3.15e10}}});
+    components.push_back(
+        {numbered("throttle_", i),
+         Value::Object{
+             {"type", "hydraulics/throttle"}, {"a", head}, {"b", rod}, {"C_d", 0.8}, {"A_t", 1e-6}, {"rho_oil", 850}}});
     hold.emplace_back(rod + ".p");
   }
-  Scene scene = scene_of("Planar chain of " + std::to_string(links) + " links with cylinders", names({"mechanics", "hydraulics"}), std::move(components));
+  Scene scene = scene_of("Planar chain of " + std::to_string(links) + " links with cylinders",
+                         names({"mechanics", "hydraulics"}), std::move(components));
   scene.root.set("start", std::move(start));
   scene.root.set("hold", std::move(hold));
   return scene;
@@ -172,7 +199,9 @@ Scene four_bar_ladder(int loops) {
   constexpr double half = 0.5 * rod_length, upper_end_speed = 1.0;
   Value::Object components = surroundings(list({0, -gravity, 0}));
   int joint = 0;
-  const auto connect = [&](Value revolute) { components.push_back({numbered("joint_", ++joint), std::move(revolute)}); };
+  const auto connect = [&](Value revolute) {
+    components.push_back({numbered("joint_", ++joint), std::move(revolute)});
+  };
   for (int i = 0; i <= loops; ++i) {
     const std::string upright = numbered("upright_", i);
     Value rod = planar_rod(i * rod_length, half, 0.5 * std::numbers::pi);
