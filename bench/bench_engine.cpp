@@ -1,5 +1,5 @@
-// What each step of the engine costs, for every machine of families.hpp. Names are work/family/bodies; README.md explains
-// the counters.
+// What each step of the engine costs, for every machine of families.hpp. Names are work/family/bodies; README.md
+// explains the counters.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -48,8 +48,8 @@ void describe(benchmark::State& run, const Case& c) {
   run.counters["per_body"] = Counter(c.bodies(), Counter::kIsIterationInvariantRate | Counter::kInvert);
 }
 
-/// Measures `work` and reports how much longer it takes than `rival`, both alternately in the same run. The rival, which
-/// is the short one, is repeated, so that it does not always meet the memory that the other has left behind.
+/// Measures `work` and reports how much longer it takes than `rival`, both alternately in the same run. The rival,
+/// which is the short one, is repeated, so that it does not always meet the memory that the other has left behind.
 void compare(benchmark::State& run, const char* ratio, const std::function<void()>& work,
              const std::function<void()>& rival) {
   const double once = seconds_of(rival), other = seconds_of(work);

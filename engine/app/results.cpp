@@ -197,19 +197,19 @@ std::string linear_document(const System& system, const Linearization& linear) {
   return json.take();
 }
 
+std::string redundancy_text(const std::vector<RedundantSet>& sets) {
+  std::string out;
+  for (const RedundantSet& set : sets) out += "Redundant: " + set.text + ".\n";
+  if (!sets.empty()) out += "The motion does not depend on redundant rows; their multipliers are not unique, those of least norm are shown.\n";
+  return out;
+}
+
 std::string linear_notes(const System& system, const Linearization& linear) {
   std::string out;
   if (!linear.at_equilibrium) {
     out += "Linearized at the start state, which need not be an equilibrium: the model holds for short times.\n";
   }
-  if (!linear.partition.redundant.empty()) {
-    out += "Redundant constraint rows, left out:\n";
-    for (const RedundantRow& row : linear.partition.redundant) {
-      std::string line;
-      for (const auto& [other, coefficient] : row.follows_from) line += (line.empty() ? "" : ", ") + system.constraint(other).name;
-      out += "  " + system.constraint(row.row).name + (line.empty() ? ", which constrains nothing" : " follows from " + line) + '\n';
-    }
-  }
+  out += redundancy_text(describe_redundancy(system, linear.partition));
   if (!linear.model.kinks.empty()) {
     out += "Laws with a kink at this state; derivatives are those of side " + side_text(linear.model.kinks.front().side) + ":\n";
     for (const KinkTaken& kink : linear.model.kinks) out += "  " + kink.component + ": " + kink.name + '\n';

@@ -31,6 +31,8 @@ std::string free_directions_text(const std::vector<FreeDirection>& directions);
 
 std::string linear_document(const System& system, const Linearization& linear);
 /// Notes on redundant rows and one-sided derivatives; empty where there are none.
+/// What is redundant, in terms of joints; empty where nothing is.
+std::string redundancy_text(const std::vector<RedundantSet>& sets);
 std::string linear_notes(const System& system, const Linearization& linear);
 
 std::string spectrum_document(const LinearModel& model, const Spectrum& spectrum);

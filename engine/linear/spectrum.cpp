@@ -155,7 +155,11 @@ ZeroBlock classify(const LinearModel& model, const VectorXd& v, int size, const 
   const std::string names = joined(block.moves);
   if (pressures) {
     block.kind = "trapped oil volume";
-    block.cause = "trapped oil: " + joined(volumes) + (positions ? " shift together with " + names : " shift together");
+    std::vector<std::pair<std::string, double>> others;
+    for (const auto& entry : block.moves) {
+      if (std::none_of(volumes.begin(), volumes.end(), [&](const auto& volume) { return volume.first == entry.first; })) others.push_back(entry);
+    }
+    block.cause = "trapped oil: " + joined(volumes) + (volumes.size() == 1 ? " shifts" : " shift together") + (others.empty() ? "" : " with " + joined(others));
   } else if (positions && size >= 2) {
     block.kind = dependent ? "nonholonomic drift" : "rigid-body or cyclic coordinate";
     block.cause = (dependent ? "drift along nonholonomic rows: " : "nothing holds ") + names + " (Jordan block of size " + std::to_string(size) + ")";

@@ -59,6 +59,8 @@ class Newton {
     it = std::copy(blocks_.g.begin(), blocks_.g.end(), it);
     std::copy(blocks_.c.begin(), blocks_.c.end(), it);
     if (!with_matrix) return true;
+    // Multipliers have no nominal: their own size serves, so that a heavy machine is not judged by a unit force.
+    for (std::size_t i = 0; i < lambda_.size(); ++i) scale_[static_cast<std::size_t>(lambda_[i])] = std::max(1.0, std::abs(state_.lambda[i]));
     const double one = 1.0;
     plan_.fill(blocks_, {&one, 1});
     scaled_.assign(plan_.values().begin(), plan_.values().end());
@@ -146,6 +148,12 @@ class Newton {
       }
     }
     return "";
+  }
+
+  /// Whether a column of the multipliers depends on others in the last factored matrix.
+  [[nodiscard]] bool multipliers_undetermined() const {
+    const Index first = unknowns_ - static_cast<Index>(lambda_.size());
+    return std::any_of(lu_.dependent_columns().begin(), lu_.dependent_columns().end(), [&](Index column) { return column >= first; });
   }
 
   /// Null vectors of the last factored matrix that move a variable; those of multipliers alone are redundant rows.
@@ -247,7 +255,7 @@ Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& opt
       newton.move(std::min(1.0, 0.1 / std::max(step, 1e-300)));
     }
     evaluate();
-    converged = newton.size() <= options.tolerance && step * factor <= 1e-15;
+    converged = newton.size() <= options.tolerance && step <= 1e-15;
   }
   Index row = 0;
   result.residual = newton.size(&row);
@@ -270,6 +278,11 @@ Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& opt
   }
   newton.solve();
   result.free_directions = newton.free_directions();
+  if (newton.multipliers_undetermined()) {
+    const Partition partition = choose_partition(system, state);
+    take_minimum_norm(partition, state.lambda);
+    result.redundancy = describe_redundancy(system, partition);
+  }
   std::fill(state.a.begin(), state.a.end(), 0.0);
   std::fill(state.zdot.begin(), state.zdot.end(), 0.0);
   return result;

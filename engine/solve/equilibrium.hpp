@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "solve/partition.hpp"
 #include "system/blocks.hpp"
 #include "system/options.hpp"
 
@@ -21,6 +22,7 @@ struct Equilibrium {
   int iterations = 0;
   double residual = 0.0;  // largest, relative to the terms of its row
   std::vector<FreeDirection> free_directions;
+  std::vector<RedundantSet> redundancy;  // where not empty, multipliers are not unique: those of least norm are given
 };
 
 /// Finds the equilibrium near the start values; throws AnalysisError where there is none.

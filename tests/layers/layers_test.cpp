@@ -64,7 +64,7 @@ TEST_F(MadeUpTree, ReportsAnUpwardArrow) {
 }
 
 TEST_F(MadeUpTree, ReportsANeighbourOnTheSameFloor) {
-  write("engine/linear/reduce.hpp", "#include \"solve/simulate.cpp\"");
+  write("engine/system/state.hpp", "#include \"sparse/klu.hpp\"");
   EXPECT_EQ(violations(root_).size(), 1U);
 }
 

@@ -1,7 +1,7 @@
 // Scenes made in code: families with a size, shared by tests and benchmarks.
 //
-// Rods are slender, 1 m and 1 kg, bodies at their centres of mass, gravity 9.81 m/s^2. Bodies are called link_1, link_2,
-// ..., joints joint_1, ..., joint i holding link i. Every scene starts assembled.
+// Rods are slender, 1 m and 1 kg, bodies at their centres of mass, gravity 9.81 m/s^2. Bodies are called link_1,
+// link_2, ..., joints joint_1, ..., joint i holding link i. Every scene starts assembled.
 #pragma once
 
 #include <functional>
@@ -33,7 +33,7 @@ enum class Axes { parallel, alternating };
 /// The same of rigid bodies with Euler parameters, hanging along -z; n = 7 links, m = 6 links.
 Scene spatial_chain(int links, Axes axes = Axes::alternating, const Shape& shape = hanging);
 
-/// A planar chain with a cylinder, its two volumes and a throttle between them across joints 1, 1 + every, 1 + 2 every ...
+/// A planar chain with a cylinder, its two volumes and a throttle between them across joints 1, 1 + every, ...
 /// The rod-side pressures are held.
 Scene hydraulic_chain(int links, int every, const Shape& shape = hanging);
 
