@@ -1,5 +1,5 @@
-// A bushing between two planar bodies: springs and dampers along x and y of body a. With one stiffness 0, a spring between
-// a point and a line:
+// A bushing between two planar bodies: springs and dampers along x and y of body a. With one stiffness 0, a spring
+// between a point and a line:
 //
 //   d = A_a^T (r_b + A_b point_b - r_a) - point_a     m   the point of b as a sees it, from the point of a
 //   F_k = stiffness_k d_k + damping_k d_k'            N   pulls b along -k of a's axes, and a back at the same place

@@ -2,7 +2,7 @@
 // straight rolling and steady turning have constant coefficients: R = R_z(yaw) R_x(lean) R_y(spin).
 //
 //   m (xddot, yddot, zddot) - m g                                               N
-//   (A yaw' cos^2 lean + C n sin lean)'                                         N.m   on yaw,   n = spin' + yaw' sin lean
+//   (A yaw' cos^2 lean + C n sin lean)'                                         N.m   on yaw; n = spin' + yaw' sin lean
 //   A lean'' + (A yaw' sin lean - C n) yaw' cos lean                            N.m   on lean
 //   C n'                                                                        N.m   on spin
 //   z - a cos lean - rho = 0                                                    m     row contact

@@ -1,5 +1,5 @@
 // An axisymmetric wheel, rotor or flywheel on an axle of a carrier, which it turns with in every way but one: the spin.
-// Nothing depends on the spin angle, so a carrier that does not turn sees constant coefficients, however fast the wheel:
+// Nothing depends on the spin angle: on a carrier that does not turn, coefficients stay constant at any speed:
 //
 //   m rddot_c - m g                                     N      at the centre, on the carrier
 //   hdot + w x h,  h = A (w - (w.d) d) + C n d          N.m    on the carrier, body axes;  n = w.d + spin rate

@@ -144,6 +144,8 @@ std::string render(const Source& source, const SceneError& error) {
   return text;
 }
 
-std::string render(const Source& source, const AnalysisError& error) { return render(source, SceneError(error.diagnostic())); }
+std::string render(const Source& source, const AnalysisError& error) {
+  return render(source, SceneError(error.diagnostic()));
+}
 
 }  // namespace bramah

@@ -29,6 +29,27 @@ constexpr double doubt = 50.0;
 // Components of a vector below this part of its largest are rounding.
 constexpr double negligible = 1e-7;
 
+// A slow eigenvalue beside fast ones is refined where QR's error bound takes more than this part of it.
+constexpr double refine_above = 1e-12;
+
+/// w^H A v / w^H v in extended precision: its error is second order in those of the vectors, and rounding is relative to
+/// the terms of the row rather than to the norm of A.
+Complex rayleigh_quotient(const MatrixXd& A, const VectorXcd& w, const VectorXcd& v) {
+  using Long = std::complex<long double>;
+  Long above = 0.0L, below = 0.0L;
+  for (Index j = 0; j < A.cols(); ++j) {
+    const Long vj(v(j).real(), v(j).imag());
+    Long sum = 0.0L;
+    for (Index i = 0; i < A.rows(); ++i) {
+      if (A(i, j) != 0.0) sum += Long(w(i).real(), -w(i).imag()) * static_cast<long double>(A(i, j));
+    }
+    above += sum * vj;
+    below += Long(w(j).real(), -w(j).imag()) * vj;
+  }
+  const Long quotient = above / below;
+  return {static_cast<double>(quotient.real()), static_cast<double>(quotient.imag())};
+}
+
 struct Eigensystem {
   std::vector<Complex> values;
   MatrixXcd right, left;
@@ -230,7 +251,9 @@ Spectrum find_spectrum(const LinearModel& model) {
     w = stairs.Q.cast<Complex>() * w;
     const Complex product = w.dot(v);  // w^H v
     mode.condition = std::abs(product) > 0.0 ? w.norm() * v.norm() / std::abs(product) : std::numeric_limits<double>::infinity();
-    const double bound = doubt * std::numeric_limits<double>::epsilon() * spectrum.norm * mode.condition;
+    const double rounding = std::numeric_limits<double>::epsilon() * spectrum.norm * mode.condition;
+    if (rounding > refine_above * std::abs(mode.eigenvalue)) mode.eigenvalue = rayleigh_quotient(A, w, v);
+    const double bound = doubt * rounding;
     mode.doubtful = std::abs(mode.eigenvalue) <= bound;
     Index largest = 0;
     v.cwiseAbs().maxCoeff(&largest);

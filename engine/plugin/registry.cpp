@@ -56,7 +56,9 @@ std::string defect(const bramah_parameter_info& info) {
     }
     return "has a default that is none of its choices";
   }
-  const std::int64_t wanted = info.kind == BRAMAH_VECTOR ? info.count : info.kind == BRAMAH_LIST ? info.default_count : 1;
+  const std::int64_t wanted = info.kind == BRAMAH_VECTOR ? info.count
+                              : info.kind == BRAMAH_LIST ? info.default_count
+                                                         : 1;
   if (info.default_count != wanted || wanted < 0 || (wanted > 0 && info.default_numbers == nullptr)) {
     return "has a default of " + std::to_string(info.default_count) + " numbers, not " + std::to_string(wanted);
   }
@@ -69,11 +71,14 @@ std::string defect(const bramah_parameter_info& info) {
 
 /// What is wrong with one terminal, or ""; `own` are the type's own variables by family.
 std::string defect(const bramah_type& type, const bramah_terminal_info& terminal, const int (&own)[3]) {
-  if (!all_said({terminal.doc, terminal.kind, terminal.unit})) return "has no doc, kind or unit (\"\" will do for a unit)";
-  if (terminal.family < BRAMAH_X || terminal.family > BRAMAH_U || terminal.slots < 1 || terminal.first < 0) return "has no family or slots";
+  if (!all_said({terminal.doc, terminal.kind, terminal.unit}))
+    return "has no doc, kind or unit (\"\" will do for a unit)";
+  if (terminal.family < BRAMAH_X || terminal.family > BRAMAH_U || terminal.slots < 1 || terminal.first < 0)
+    return "has no family or slots";
   switch (terminal.source) {
     case BRAMAH_OWN:
-      if (terminal.family > BRAMAH_Z || terminal.first + terminal.slots > own[terminal.family]) return "shows variables that it does not have";
+      if (terminal.family > BRAMAH_Z || terminal.first + terminal.slots > own[terminal.family])
+        return "shows variables that it does not have";
       return "";
     case BRAMAH_CONSTANT: {
       const auto* constants = extension<bramah_constants>(type, BRAMAH_EXTENSION_CONSTANTS);
@@ -88,14 +93,16 @@ std::string defect(const bramah_type& type, const bramah_terminal_info& terminal
       }
       return terminal.slots == 1 ? "" : "is a signal of several slots";
     }
-    default: return "comes from no known source";
+    default:
+      return "comes from no known source";
   }
 }
 
 /// Names of one kind, told apart; a fault of the first that is missing or repeated goes to `fault`.
 template <class Info>
 void collect(const char* what, const Info* list, std::int32_t count, std::set<std::string>& names, std::string& fault) {
-  if (fault.empty() && (count < 0 || (count > 0 && list == nullptr))) fault = std::string("its list of ") + what + "s is missing";
+  if (fault.empty() && (count < 0 || (count > 0 && list == nullptr)))
+    fault = std::string("its list of ") + what + "s is missing";
   for (std::int32_t i = 0; fault.empty() && i < count; ++i) {
     if (text(list[i].name).empty()) {
       fault = std::string("a ") + what + " has no name";
@@ -162,7 +169,8 @@ std::string defect(const bramah_type& type, std::string_view library) {
     fault = defect(type, type.terminals[i], own);
     if (!fault.empty()) return "terminal \"" + text(type.terminals[i].name) + "\" " + fault;
   }
-  for (const auto& [list, count] : {std::pair{type.holonomic, type.holonomic_count}, {type.nonholonomic, type.nonholonomic_count},
+  for (const auto& [list, count] : {std::pair{type.holonomic, type.holonomic_count},
+                                    {type.nonholonomic, type.nonholonomic_count},
                                     {type.outputs, type.output_count}}) {
     for (std::int32_t i = 0; i < count; ++i) {
       if (list[i].unit == nullptr) return "row \"" + text(list[i].name) + "\" has no unit (\"1\" for none)";
@@ -233,11 +241,13 @@ namespace {
 void check_epoch(const bramah_library& library, const fs::path& file) {
   const bool known = library.size >= library_size_of_epoch;
   if (known && library.epoch == BRAMAH_ABI_EPOCH) return;
-  throw PluginError("abi-mismatch",
-                    file.string() + (known ? " was made for border epoch " + std::to_string(library.epoch) + " by " + text(library.made_with)
-                                           : " has a table shorter than that of epoch " + std::to_string(BRAMAH_ABI_EPOCH)),
-                    "epoch " + std::to_string(BRAMAH_ABI_EPOCH) + ", which this engine speaks",
-                    "build the library again with the SDK of this engine");
+  throw PluginError(
+      "abi-mismatch",
+      file.string() +
+          (known ? " was made for border epoch " + std::to_string(library.epoch) + " by " + text(library.made_with)
+                 : " has a table shorter than that of epoch " + std::to_string(BRAMAH_ABI_EPOCH)),
+      "epoch " + std::to_string(BRAMAH_ABI_EPOCH) + ", which this engine speaks",
+      "build the library again with the SDK of this engine");
 }
 
 }  // namespace
@@ -247,7 +257,8 @@ void Registry::load(std::string_view name) {
   const std::string word(name);
   if (!valid_name(name)) {
     const std::string inner = name_in_path(word);
-    throw PluginError("library-name", "library \"" + word + "\"", "a name of small letters, digits and underscores, not a path",
+    throw PluginError("library-name", "library \"" + word + "\"",
+                      "a name of small letters, digits and underscores, not a path",
                       (valid_name(inner) ? "write \"" + inner + "\"" : std::string("write the name of the library")) +
                           "; a folder of libraries goes into BRAMAH_PLUGIN_PATH");
   }
@@ -272,8 +283,9 @@ void Registry::load(std::string_view name) {
                                               ") or add the folder of this one to BRAMAH_PLUGIN_PATH");
   }
   if (found.size() > 1) {
-    throw PluginError("library-twice", "library \"" + word + "\" in " + found[0].string() + " and in " + found[1].string(),
-                      "one file of this name in the search path", "remove one, or take its folder out of BRAMAH_PLUGIN_PATH");
+    throw PluginError(
+        "library-twice", "library \"" + word + "\" in " + found[0].string() + " and in " + found[1].string(),
+        "one file of this name in the search path", "remove one, or take its folder out of BRAMAH_PLUGIN_PATH");
   }
   fs::path file = found[0];
   const fs::path twin = file.parent_path() / (word + ".v3.so");
@@ -285,7 +297,8 @@ void Registry::load(std::string_view name) {
   if (handle == nullptr) {
     std::string why = text(dlerror());
     if (why.starts_with(file.string() + ": ")) why.erase(0, file.string().size() + 2);
-    throw PluginError("library-broken", file.string() + " cannot be opened: " + why, "a library that this machine can load",
+    throw PluginError("library-broken", file.string() + " cannot be opened: " + why,
+                      "a library that this machine can load",
                       "build it again for this machine; `file` and `ldd` show what it is and what it misses");
   }
   void* symbol = dlsym(handle, BRAMAH_ENTRY_POINT);
@@ -297,7 +310,8 @@ void Registry::load(std::string_view name) {
                         "epoch " + std::to_string(BRAMAH_ABI_EPOCH) + ", which this engine speaks",
                         "build the library again with the SDK of this engine");
     }
-    throw PluginError("library-foreign", file.string() + " exports no " BRAMAH_ENTRY_POINT, "a Bramah component library",
+    throw PluginError("library-foreign", file.string() + " exports no " BRAMAH_ENTRY_POINT,
+                      "a Bramah component library",
                       "end its source with BRAMAH_LIBRARY(\"" + word + "\", \"1.0.0\", ...)");
   }
   // POSIX guarantees that a function's address survives the trip through void*.
@@ -319,7 +333,8 @@ void Registry::add(const bramah_library* library, const fs::path& origin) {
   check_epoch(*library, origin);
   const std::string name = text(library->name);
   if (library->type_count < 0 || (library->type_count > 0 && library->types == nullptr)) {
-    throw PluginError("library-broken", origin.string() + " has no list of types", "a list of component types", "repair its table");
+    throw PluginError("library-broken", origin.string() + " has no list of types", "a list of component types",
+                      "repair its table");
   }
   if (const auto other = libraries_.find(name); other != libraries_.end()) {
     throw PluginError("library-twice",
@@ -328,17 +343,20 @@ void Registry::add(const bramah_library* library, const fs::path& origin) {
   }
   for (std::int32_t i = 0; i < library->type_count; ++i) {
     if (library->types[i] == nullptr) {
-      throw PluginError("library-broken", origin.string() + " has a type without a description", "a list of component types", "repair its table");
+      throw PluginError("library-broken", origin.string() + " has a type without a description",
+                        "a list of component types", "repair its table");
     }
     const bramah_type& type = *library->types[i];
     const std::string fault = defect(type, name);
     if (!fault.empty()) {
       throw PluginError("library-broken", "type " + text(type.name) + " of " + origin.string() + ": " + fault,
-                        "a consistent description of the type", "repair the component's describe, and build the library again");
+                        "a consistent description of the type",
+                        "repair the component's describe, and build the library again");
     }
     for (std::int32_t k = 0; k < i; ++k) {
       if (text(library->types[k]->name) != type.name) continue;
-      throw PluginError("type-twice", "type " + text(type.name) + " twice in " + origin.string(), "one definition of each type", "rename one of the types");
+      throw PluginError("type-twice", "type " + text(type.name) + " twice in " + origin.string(),
+                        "one definition of each type", "rename one of the types");
     }
     if (const auto twin = types_.find(type.name); twin != types_.end()) {
       throw PluginError("type-twice",
@@ -380,7 +398,8 @@ std::vector<std::string> Registry::available() const {
     std::error_code ignored;
     for (fs::directory_iterator file(folder, ignored), end; file != end; file.increment(ignored)) {
       const std::string name = file->path().filename().string();
-      if (name.size() > 3 && name.ends_with(".so") && !name.ends_with(".v3.so")) names.insert(name.substr(0, name.size() - 3));
+      if (name.size() > 3 && name.ends_with(".so") && !name.ends_with(".v3.so"))
+        names.insert(name.substr(0, name.size() - 3));
     }
   }
   return {names.begin(), names.end()};

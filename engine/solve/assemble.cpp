@@ -68,7 +68,8 @@ std::string place_of(const System& system, const Outcome& outcome) {
 Index worst(const Vector& rows) {
   double largest = 0.0;
   for (const double row : rows) largest = std::max(largest, std::abs(row));
-  const auto it = std::find_if(rows.begin(), rows.end(), [&](double row) { return std::abs(row) >= (1.0 - 1e-6) * largest; });
+  const auto it =
+      std::find_if(rows.begin(), rows.end(), [&](double row) { return std::abs(row) >= (1.0 - 1e-6) * largest; });
   return it == rows.end() ? -1 : it - rows.begin();
 }
 
@@ -87,12 +88,13 @@ std::string open_rows(const System& system, const Vector& c, Index most) {
   std::string others;
   int count = 0;
   for (Index i = 0; i < system.m(); ++i) {
-    if (i == most || std::abs(c[static_cast<std::size_t>(i)]) < 0.5 * gap || system.constraint(i).unit != first.unit) continue;
+    if (i == most || std::abs(c[static_cast<std::size_t>(i)]) < 0.5 * gap || system.constraint(i).unit != first.unit)
+      continue;
     if (++count <= 5) others += ", " + system.constraint(i).name;
   }
   if (count > 5) others += ", ... (" + std::to_string(count + 1) + " in all)";
-  return (count == 0 ? "the constraint " : "the constraints ") + first.name + others + (count == 0 ? " stays" : " stay") + " open by " +
-         (count == 0 ? "" : "up to ") + with_unit(gap, first.unit);
+  return (count == 0 ? "the constraint " : "the constraints ") + first.name + others +
+         (count == 0 ? " stays" : " stay") + " open by " + (count == 0 ? "" : "up to ") + with_unit(gap, first.unit);
 }
 
 /// Whether holding is to blame: the same start values with all coordinates free.
@@ -156,9 +158,11 @@ void assemble_positions(const System& system, State& state, std::span<const Inde
   const Row& open = system.constraint(row);
   const std::string gap = open_rows(system, blocks.c, row);
   if (!fixed.empty() && closes_without_holding(system, state, start)) {
-    throw AnalysisError("assembly", "with " + names_of(system, fixed) + " held at the start values, " + gap + "; without, all constraints close",
-                        "held coordinates whose start values agree with each other", "hold fewer coordinates, or correct their start values",
-                        "/hold");
+    throw AnalysisError(
+        "assembly",
+        "with " + names_of(system, fixed) + " held at the start values, " + gap + "; without, all constraints close",
+        "held coordinates whose start values agree with each other",
+        "hold fewer coordinates, or correct their start values", "/hold");
   }
   throw AnalysisError("assembly", gap, "lengths, points and start values with which all constraints can be closed",
                       "check the lengths and points of " + system.component_name(open.component) +
@@ -177,20 +181,24 @@ void assemble_velocities(const System& system, State& state, std::span<const Ind
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     const Outcome outcome = blocks.evaluate(system, state, request);
     if (!outcome.ok()) {
-      throw AnalysisError("assembly", outcome.message, "constraints that can be evaluated at the start values", "check the start values",
-                          place_of(system, outcome));
+      throw AnalysisError("assembly", outcome.message, "constraints that can be evaluated at the start values",
+                          "check the start values", place_of(system, outcome));
     }
     const double residual = size_of(blocks.r);
-    if (residual <= 1e-15 * scale || residual >= 0.5 * before) {  // linear in v: stagnation is rounding or contradiction
+    if (residual <= 1e-15 * scale ||
+        residual >= 0.5 * before) {  // linear in v: stagnation is rounding or contradiction
       if (residual <= 1e-10 * scale) return;
       const Index row = worst(blocks.r);
       const Row& moving = system.constraint(row);
       const std::string rate = "the constraint " + moving.name + " opens at a rate of " +
-                               digits(std::abs(blocks.r[static_cast<std::size_t>(row)])) + (moving.unit == "1" ? " 1/s" : " " + moving.unit + "/s");
-      throw AnalysisError("assembly", (fixed.empty() ? "" : "with the start rates of " + names_of(system, fixed) + " held, ") + rate,
-                          "start rates that the constraints allow",
-                          fixed.empty() ? "change the start rates, or the driver that demands this one" : "hold fewer coordinates, or correct their start rates",
-                          fixed.empty() ? "/components/" + system.component_name(moving.component) : std::string("/hold"));
+                               digits(std::abs(blocks.r[static_cast<std::size_t>(row)])) +
+                               (moving.unit == "1" ? " 1/s" : " " + moving.unit + "/s");
+      throw AnalysisError(
+          "assembly", (fixed.empty() ? "" : "with the start rates of " + names_of(system, fixed) + " held, ") + rate,
+          "start rates that the constraints allow",
+          fixed.empty() ? "change the start rates, or the driver that demands this one"
+                        : "hold fewer coordinates, or correct their start rates",
+          fixed.empty() ? "/components/" + system.component_name(moving.component) : std::string("/hold"));
     }
     before = residual;
     const std::span<const double> step = nearest.solve(blocks, blocks.r);

@@ -34,9 +34,10 @@ class Newton {
     unknowns_ = next + ml;
     const std::vector<Index> f = shifted(n, 0), g = shifted(nz, n), c = shifted(m, n + nz);
     equations_ = n + nz + m;
-    const Term terms[] = {{BRAMAH_F_X, f, x_, false, 0}, {BRAMAH_L_X, f, x_, false, 0}, {BRAMAH_F_Z, f, z_, false, 0},
-                          {BRAMAH_F_U, f, z_, false, 0}, {BRAMAH_R_V, lambda_, f, true, 0}, {BRAMAH_G_X, g, x_, false, 0},
-                          {BRAMAH_G_Z, g, z_, false, 0}, {BRAMAH_G_U, g, z_, false, 0}, {BRAMAH_C_X, c, x_, false, 0}};
+    const Term terms[] = {
+        {BRAMAH_F_X, f, x_, false, 0}, {BRAMAH_L_X, f, x_, false, 0},     {BRAMAH_F_Z, f, z_, false, 0},
+        {BRAMAH_F_U, f, z_, false, 0}, {BRAMAH_R_V, lambda_, f, true, 0}, {BRAMAH_G_X, g, x_, false, 0},
+        {BRAMAH_G_Z, g, z_, false, 0}, {BRAMAH_G_U, g, z_, false, 0},     {BRAMAH_C_X, c, x_, false, 0}};
     plan_ = SparsePlan(system, equations_, unknowns_, terms);
     scale_.assign(static_cast<std::size_t>(unknowns_), 1.0);
     each_unknown([&](Index column, const Variable* variable, double&) {
@@ -51,7 +52,8 @@ class Newton {
   bool evaluate(bool with_matrix) {
     Request request = Request{}.rows("fgc");
     if (with_matrix) {
-      request.blocks({BRAMAH_F_X, BRAMAH_L_X, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_R_V, BRAMAH_G_X, BRAMAH_G_Z, BRAMAH_G_U, BRAMAH_C_X});
+      request.blocks(
+          {BRAMAH_F_X, BRAMAH_L_X, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_R_V, BRAMAH_G_X, BRAMAH_G_Z, BRAMAH_G_U, BRAMAH_C_X});
     }
     outcome_ = blocks_.evaluate(system_, state_, request);
     if (!outcome_.ok()) return false;
@@ -60,7 +62,8 @@ class Newton {
     std::copy(blocks_.c.begin(), blocks_.c.end(), it);
     if (!with_matrix) return true;
     // Multipliers have no nominal: their own size serves, so that a heavy machine is not judged by a unit force.
-    for (std::size_t i = 0; i < lambda_.size(); ++i) scale_[static_cast<std::size_t>(lambda_[i])] = std::max(1.0, std::abs(state_.lambda[i]));
+    for (std::size_t i = 0; i < lambda_.size(); ++i)
+      scale_[static_cast<std::size_t>(lambda_[i])] = std::max(1.0, std::abs(state_.lambda[i]));
     const double one = 1.0;
     plan_.fill(blocks_, {&one, 1});
     scaled_.assign(plan_.values().begin(), plan_.values().end());
@@ -153,7 +156,8 @@ class Newton {
   /// Whether a column of the multipliers depends on others in the last factored matrix.
   [[nodiscard]] bool multipliers_undetermined() const {
     const Index first = unknowns_ - static_cast<Index>(lambda_.size());
-    return std::any_of(lu_.dependent_columns().begin(), lu_.dependent_columns().end(), [&](Index column) { return column >= first; });
+    return std::any_of(lu_.dependent_columns().begin(), lu_.dependent_columns().end(),
+                       [&](Index column) { return column >= first; });
   }
 
   /// Null vectors of the last factored matrix that move a variable; those of multipliers alone are redundant rows.
@@ -201,7 +205,8 @@ class Newton {
     for (std::size_t i = 0; i < z_.size(); ++i) {
       if (z_[i] >= 0) function(z_[i], &system_.z[i], state_.z[i]);
     }
-    for (std::size_t i = 0; i < lambda_.size(); ++i) function(lambda_[i], static_cast<const Variable*>(nullptr), state_.lambda[i]);
+    for (std::size_t i = 0; i < lambda_.size(); ++i)
+      function(lambda_[i], static_cast<const Variable*>(nullptr), state_.lambda[i]);
   }
 
   const System& system_;
@@ -227,8 +232,8 @@ Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& opt
   Newton newton(system, options, state);
   const auto evaluate = [&] {
     if (newton.evaluate(true)) return;
-    throw AnalysisError("equilibrium", newton.failure(), "start values at which every component can be evaluated", "move the start values",
-                        newton.place_of_failure());
+    throw AnalysisError("equilibrium", newton.failure(), "start values at which every component can be evaluated",
+                        "move the start values", newton.place_of_failure());
   };
   evaluate();
   bool converged = false;
@@ -246,7 +251,8 @@ Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& opt
     for (int half = 0; half < 30 && !accepted; ++half, factor *= 0.5) {
       state = origin;
       newton.move(factor);
-      accepted = newton.evaluate(false) && (newton.size() < (1.0 - 1e-4 * factor) * before || newton.size() <= options.tolerance);
+      accepted = newton.evaluate(false) &&
+                 (newton.size() < (1.0 - 1e-4 * factor) * before || newton.size() <= options.tolerance);
     }
     if (!accepted) {
       // Through a turning point of the merit function: a full small step is better than none, but not when at rest.
@@ -263,18 +269,22 @@ Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& opt
     newton.solve();
     const std::string free = newton.free_coordinate(row);
     std::string held;
-    for (const Index i : options.hold_x) held += (held.empty() ? "" : ", ") + system.x[static_cast<std::size_t>(i)].name;
-    for (const Index i : options.hold_z) held += (held.empty() ? "" : ", ") + system.z[static_cast<std::size_t>(i)].name;
-    throw AnalysisError("equilibrium",
-                        newton.equation_name(row) + " stays at " + newton.equation_residual(row) + " after " +
-                            std::to_string(result.iterations) + " iterations" + (free.empty() ? "" : ", and nothing resists a motion of " + free),
-                        !free.empty()  ? std::string("something that balances this force")
-                        : held.empty() ? std::string("start values near an equilibrium")
-                                       : "an equilibrium at the start values of what is held: " + held,
-                        free.empty() ? std::string(held.empty() ? "" : "hold fewer variables, ") +
-                                           "move the start values, or check that something balances this row"
-                                     : "connect a joint, a spring or a support; holding " + free + " would not balance the force",
-                        "/components/" + newton.equation_component(row));
+    for (const Index i : options.hold_x)
+      held += (held.empty() ? "" : ", ") + system.x[static_cast<std::size_t>(i)].name;
+    for (const Index i : options.hold_z)
+      held += (held.empty() ? "" : ", ") + system.z[static_cast<std::size_t>(i)].name;
+    throw AnalysisError(
+        "equilibrium",
+        newton.equation_name(row) + " stays at " + newton.equation_residual(row) + " after " +
+            std::to_string(result.iterations) + " iterations" +
+            (free.empty() ? "" : ", and nothing resists a motion of " + free),
+        !free.empty()  ? std::string("something that balances this force")
+        : held.empty() ? std::string("start values near an equilibrium")
+                       : "an equilibrium at the start values of what is held: " + held,
+        free.empty() ? std::string(held.empty() ? "" : "hold fewer variables, ") +
+                           "move the start values, or check that something balances this row"
+                     : "connect a joint, a spring or a support; holding " + free + " would not balance the force",
+        "/components/" + newton.equation_component(row));
   }
   newton.solve();
   result.free_directions = newton.free_directions();

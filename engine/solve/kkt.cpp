@@ -30,8 +30,10 @@ void Kkt::factor(const Blocks& blocks) {
   const std::string name = unknown_component(i);
   const bool stores = i >= size_ - system_.nz();
   throw AnalysisError("dynamics",
-                      unknown_name(i) + " is undefined: " + (stores ? "nothing stores there" : "the mass matrix is singular") + " at this state",
-                      stores ? "storage above zero for every first-order variable" : "inertia for every motion that the constraints leave free",
+                      unknown_name(i) + " is undefined: " +
+                          (stores ? "nothing stores there" : "the mass matrix is singular") + " at this state",
+                      stores ? "storage above zero for every first-order variable"
+                             : "inertia for every motion that the constraints leave free",
                       stores ? "check what stores at " + name + ": a chamber may have no length at the start values"
                              : "give " + name + " mass and inertia, or a constraint that holds it",
                       name.empty() ? name : "/components/" + name);
@@ -41,7 +43,8 @@ std::string Kkt::unknown_component(Index i) const {
   const Index n = system_.n(), count = static_cast<Index>(rows_.size());
   if (i < 0 || i >= size_) return "";
   if (i < n) return system_.component_name(system_.x[static_cast<std::size_t>(i)].component);
-  if (i < n + count) return system_.component_name(system_.constraint(rows_[static_cast<std::size_t>(i - n)]).component);
+  if (i < n + count)
+    return system_.component_name(system_.constraint(rows_[static_cast<std::size_t>(i - n)]).component);
   return system_.component_name(system_.z[static_cast<std::size_t>(i - n - count)].component);
 }
 
@@ -54,7 +57,8 @@ std::string Kkt::unknown_name(Index i) const {
 }
 
 void Kkt::complete(State& state, Blocks& blocks) {
-  const auto n = static_cast<std::size_t>(system_.n()), nz = static_cast<std::size_t>(system_.nz()), count = rows_.size();
+  const auto n = static_cast<std::size_t>(system_.n()), nz = static_cast<std::size_t>(system_.nz()),
+             count = rows_.size();
   std::fill_n(state.a.begin(), n, 0.0);
   std::fill_n(state.zdot.begin(), nz, 0.0);
   std::fill(state.lambda.begin(), state.lambda.end(), 0.0);

@@ -90,13 +90,15 @@ Partition choose_partition(const System& system, const State& state, std::span<c
     for (const std::string& name : lost) names += (names.empty() ? "" : ", ") + name;
     for (const Index i : result.ai) chosen += (chosen.empty() ? "" : ", ") + system.x[static_cast<std::size_t>(i)].name;
     const bool too_many = independent.size() > result.ai.size();
-    throw AnalysisError("partition", "the constraints tie " + names + " to the other coordinates that shall be independent",
-                        result.ai.empty()       ? "no independent coordinate, since the mechanism cannot move"
-                        : result.ai.size() == 1 ? std::string("one independent coordinate, which moves freely")
-                                                : std::to_string(result.ai.size()) + " independent coordinates of which none determines another",
-                        result.ai.empty() ? std::string("remove \"independent\"")
-                                          : (too_many ? "prescribe fewer, for example: " : "prescribe others, for example: ") + chosen,
-                        "/linearize/independent");
+    throw AnalysisError(
+        "partition", "the constraints tie " + names + " to the other coordinates that shall be independent",
+        result.ai.empty() ? "no independent coordinate, since the mechanism cannot move"
+        : result.ai.size() == 1
+            ? std::string("one independent coordinate, which moves freely")
+            : std::to_string(result.ai.size()) + " independent coordinates of which none determines another",
+        result.ai.empty() ? std::string("remove \"independent\"")
+                          : (too_many ? "prescribe fewer, for example: " : "prescribe others, for example: ") + chosen,
+        "/linearize/independent");
   }
   // Rows in ascending order read better and keep the pattern of D; coordinates keep the order of declaration.
   std::sort(result.rows.begin(), result.rows.end());
@@ -107,7 +109,9 @@ Partition choose_partition(const System& system, const State& state, std::span<c
   std::sort(result.ad.begin(), result.ad.end());
   // Prescribed coordinates come first, in the order of the prescription.
   std::stable_sort(result.ai.begin(), result.ai.end(), [&](Index a, Index b) {
-    const auto rank = [&](Index i) { return std::find(independent.begin(), independent.end(), i) - independent.begin(); };
+    const auto rank = [&](Index i) {
+      return std::find(independent.begin(), independent.end(), i) - independent.begin();
+    };
     return !independent.empty() && rank(a) < rank(b);
   });
   result.smallest_pivot = lu.smallest_accepted();
@@ -147,7 +151,8 @@ std::vector<RedundantSet> describe_redundancy(const System& system, const Partit
   for (std::size_t i = 0; i < involved.size(); ++i) {
     if (involved[i]) sets[root(static_cast<Index>(i))].components.push_back(static_cast<Index>(i));
   }
-  for (const RedundantRow& redundant : partition.redundant) sets[root(system.constraint(redundant.row).component)].rows.push_back(redundant.row);
+  for (const RedundantRow& redundant : partition.redundant)
+    sets[root(system.constraint(redundant.row).component)].rows.push_back(redundant.row);
 
   std::vector<RedundantSet> result;
   for (auto& [unused, set] : sets) {
@@ -155,7 +160,8 @@ std::vector<RedundantSet> describe_redundancy(const System& system, const Partit
     for (const Index i : set.components) {
       const Component& component = system.components[static_cast<std::size_t>(i)];
       // A body's own norm row takes part in every rotation; it is no joint.
-      if (component.type->port_count > 0 && component.type->variable_count == 0) by_type[component.type->name].push_back(component.name);
+      if (component.type->port_count > 0 && component.type->variable_count == 0)
+        by_type[component.type->name].push_back(component.name);
     }
     for (const auto& [type, names] : by_type) {
       set.text += (set.text.empty() ? "" : ", ") + std::to_string(names.size()) + " " + type + " (";
@@ -164,9 +170,10 @@ std::vector<RedundantSet> describe_redundancy(const System& system, const Partit
     }
     const std::size_t count = set.rows.size();
     const std::string& last = system.component_name(system.constraint(set.rows.back()).component);
-    set.text += ": " + std::to_string(count) + " redundant row" + (count == 1 ? "" : "s") + " " + row_names(system, set.rows) + "; the others imply " +
-                (count == 1 ? "it" : "them") + ". To be rid of " + (count == 1 ? "it" : "them") + ", replace " + last + " by a joint with " +
-                std::to_string(count) + " constraint" + (count == 1 ? "" : "s") + " fewer";
+    set.text += ": " + std::to_string(count) + " redundant row" + (count == 1 ? "" : "s") + " " +
+                row_names(system, set.rows) + "; the others imply " + (count == 1 ? "it" : "them") + ". To be rid of " +
+                (count == 1 ? "it" : "them") + ", replace " + last + " by a joint with " + std::to_string(count) +
+                " constraint" + (count == 1 ? "" : "s") + " fewer";
     result.push_back(std::move(set));
   }
   return result;

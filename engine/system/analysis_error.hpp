@@ -12,7 +12,8 @@ namespace bramah {
 class AnalysisError : public std::runtime_error {
  public:
   /// `pointer`: the component or key of the scene to look at, as a JSON pointer; empty where there is no single one.
-  AnalysisError(std::string analysis, std::string found, std::string expected, std::string remedy, std::string pointer = {})
+  AnalysisError(std::string analysis, std::string found, std::string expected, std::string remedy,
+                std::string pointer = {})
       : std::runtime_error(analysis + ": " + found + "; expected " + expected + "; " + remedy),
         analysis_(std::move(analysis)),
         found_(std::move(found)),

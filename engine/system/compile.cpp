@@ -24,7 +24,8 @@ std::string with_unit(double value, std::string_view unit) {
   return number_text(value) + (unit.empty() || unit == "1" ? "" : " " + std::string(unit));
 }
 
-void Faults::add(std::string code, std::string where, std::string found, std::string expected, std::string remedy, bool at_key) {
+void Faults::add(std::string code, std::string where, std::string found, std::string expected, std::string remedy,
+                 bool at_key) {
   Diagnostic d;
   d.code = std::move(code);
   d.pointer = std::move(where);
@@ -67,7 +68,8 @@ std::vector<std::string> related(std::string_view word, const std::vector<std::s
   const std::string_view component = word.substr(0, word.find('.'));
   std::vector<std::string> list;
   for (const std::string& name : names) {
-    if (name.size() > component.size() && name[component.size()] == '.' && name.starts_with(component)) list.push_back(name);
+    if (name.size() > component.size() && name[component.size()] == '.' && name.starts_with(component))
+      list.push_back(name);
   }
   return list.empty() ? names : list;
 }
@@ -86,8 +88,8 @@ struct Draft {
   const bramah_type* type = nullptr;
   std::vector<std::vector<double>> numbers;  // per parameter
   std::vector<std::string> texts;
-  bool sound = false;                        // parameters complete; only sound components become instances
-  std::set<std::string> meant;               // keys that misspelt ones probably stand for: they are not missing, too
+  bool sound = false;           // parameters complete; only sound components become instances
+  std::set<std::string> meant;  // keys that misspelt ones probably stand for: they are not missing, too
   Index group = -1, position = -1;
   Index first_x = 0, first_z = 0, first_holonomic = 0, first_nonholonomic = 0, first_output = 0;
   Index input = -1;                          // of a signal
@@ -138,7 +140,8 @@ class Compiler {
     const std::size_t before = all.size();
     for (Diagnostic& fault : faults_.list) {
       const auto same = [&](const Diagnostic& d) { return d.byte < 0 && d.pointer == fault.pointer; };
-      if (std::none_of(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(before), same)) all.push_back(std::move(fault));
+      if (std::none_of(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(before), same))
+        all.push_back(std::move(fault));
     }
     throw SceneError(std::move(all));
   }
@@ -156,11 +159,13 @@ class Compiler {
     for (const Value& name : *libraries->list()) {
       const std::string where = pointer("/libraries", index++);
       if (name.text() == nullptr) {
-        faults_.add("wrong-kind", where, named(where) + " is " + description(name), "the name of a library", "put it in double quotes");
+        faults_.add("wrong-kind", where, named(where) + " is " + description(name), "the name of a library",
+                    "put it in double quotes");
         continue;
       }
       if (std::find(libraries_.begin(), libraries_.end(), *name.text()) != libraries_.end()) {
-        faults_.add("repeated", where, "library \"" + *name.text() + "\" a second time", "each library once", "remove one");
+        faults_.add("repeated", where, "library \"" + *name.text() + "\" a second time", "each library once",
+                    "remove one");
         continue;
       }
       libraries_.push_back(*name.text());
@@ -176,8 +181,8 @@ class Compiler {
   void read_components() {
     const Value* components = scene_.root.find("components");
     if (components == nullptr || components->object() == nullptr || components->object()->empty()) {
-      faults_.add("no-components", components == nullptr ? "" : "/components", "no components", "at least one component",
-                  "describe the machine under \"components\"");
+      faults_.add("no-components", components == nullptr ? "" : "/components", "no components",
+                  "at least one component", "describe the machine under \"components\"");
       return;
     }
     drafts_.reserve(components->object()->size());
@@ -200,8 +205,8 @@ class Compiler {
   void find_type(Draft& draft) {
     const Value* type = draft.value->find("type");
     if (type == nullptr || type->text() == nullptr) {
-      faults_.add("missing-type", draft.where, "a component without a type", "a member \"type\" such as \"mechanics/revolute\"",
-                  "`bramah list` shows all types");
+      faults_.add("missing-type", draft.where, "a component without a type",
+                  "a member \"type\" such as \"mechanics/revolute\"", "`bramah list` shows all types");
       return;
     }
     const std::string& name = *type->text();
@@ -226,9 +231,10 @@ class Compiler {
     // Once is enough for a library that could not be loaded, is misspelt in the list or has been forgotten there.
     if (broken_libraries_.count(library) > 0) return;
     if (!listed) {
-      const bool meant_by_other = std::any_of(broken_libraries_.begin(), broken_libraries_.end(), [&](const std::string& other) {
-        return other.find(library) != std::string::npos || !closest(library, {other}).empty();
-      });
+      const bool meant_by_other =
+          std::any_of(broken_libraries_.begin(), broken_libraries_.end(), [&](const std::string& other) {
+            return other.find(library) != std::string::npos || !closest(library, {other}).empty();
+          });
       if (meant_by_other || libraries_unread_ || !forgotten_libraries_.insert(library).second) return;
       const std::vector<std::string> offered = registry_->available();
       const bool exists = std::find(offered.begin(), offered.end(), library) != offered.end();
@@ -295,7 +301,8 @@ class Compiler {
     if (value == nullptr) {
       if (info.required != 0) {
         if (draft.meant.count(info.name) > 0) return;
-        faults_.add("missing-parameter", draft.where, std::string("parameter \"") + info.name + "\" of " + draft.type->name + " is missing",
+        faults_.add("missing-parameter", draft.where,
+                    std::string("parameter \"") + info.name + "\" of " + draft.type->name + " is missing",
                     std::string(info.doc) + (unit.empty() || unit == "1" ? "" : ", in " + unit),
                     std::string("add \"") + info.name + "\" to \"" + draft.name + '"', true);
       } else if (info.kind == BRAMAH_TEXT) {
@@ -310,7 +317,8 @@ class Compiler {
     switch (info.kind) {
       case BRAMAH_TEXT:
         if (value->text() == nullptr) {
-          faults_.add("wrong-kind", where, named(where) + " is " + description(*value), "text", "put it in double quotes");
+          faults_.add("wrong-kind", where, named(where) + " is " + description(*value), "text",
+                      "put it in double quotes");
           draft.texts[index] = "1";
           return;
         }
@@ -326,8 +334,10 @@ class Compiler {
         if (chosen < 0) {
           std::vector<std::string> words;
           for (const char* const* word = info.choices; *word != nullptr; ++word) words.emplace_back(*word);
-          faults_.add("wrong-choice", where, named(where) + " is " + description(*value), "one of: " + quoted_list(words),
-                      value->text() == nullptr ? "write one of these words" : suggestion(*value->text(), words, "write one of these words"));
+          faults_.add("wrong-choice", where, named(where) + " is " + description(*value),
+                      "one of: " + quoted_list(words),
+                      value->text() == nullptr ? "write one of these words"
+                                               : suggestion(*value->text(), words, "write one of these words"));
           return;
         }
         numbers = {static_cast<double>(chosen)};
@@ -341,11 +351,14 @@ class Compiler {
           draft.sound = false;
         }
         return;
-      default: break;
+      default:
+        break;
     }
     if (value->list() == nullptr) {
       faults_.add("wrong-kind", where, named(where) + " is " + description(*value), list_of(info, unit),
-                  info.kind == BRAMAH_VECTOR && info.count == 2 ? "write [a, b]" : info.kind == BRAMAH_VECTOR && info.count == 3 ? "write [a, b, c]" : "write [a, b, ...]");
+                  info.kind == BRAMAH_VECTOR && info.count == 2   ? "write [a, b]"
+                  : info.kind == BRAMAH_VECTOR && info.count == 3 ? "write [a, b, c]"
+                                                                  : "write [a, b, ...]");
       return;
     }
     if (info.kind == BRAMAH_VECTOR && static_cast<Index>(value->list()->size()) != info.count) {
@@ -384,9 +397,11 @@ class Compiler {
     const bool high = number > info.upper || (info.upper_open != 0 && number == info.upper);
     if (!low && !high) return;
     std::string expected;
-    if (std::isfinite(info.lower)) expected = (info.lower_open != 0 ? "above " : "at least ") + with_unit(info.lower, unit);
+    if (std::isfinite(info.lower))
+      expected = (info.lower_open != 0 ? "above " : "at least ") + with_unit(info.lower, unit);
     if (std::isfinite(info.upper)) {
-      expected += (expected.empty() ? "" : " and ") + std::string(info.upper_open != 0 ? "below " : "at most ") + with_unit(info.upper, unit);
+      expected += (expected.empty() ? "" : " and ") + std::string(info.upper_open != 0 ? "below " : "at most ") +
+                  with_unit(info.upper, unit);
     }
     faults_.add("out-of-range", where, named(where) + " is " + with_unit(number, unit), expected + ": " + info.doc,
                 "correct the number, or its unit");
@@ -417,12 +432,13 @@ class Compiler {
       system().components.push_back({draft.name, draft.type, draft.group, draft.position});
       std::vector<bramah_value> values;
       for (std::size_t i = 0; i < draft.numbers.size(); ++i) {
-        values.push_back({sizeof(bramah_value), draft.numbers[i].data(), static_cast<Index>(draft.numbers[i].size()), draft.texts[i].c_str()});
+        values.push_back({sizeof(bramah_value), draft.numbers[i].data(), static_cast<Index>(draft.numbers[i].size()),
+                          draft.texts[i].c_str()});
       }
       void* instance = group.instances.at(draft.position);
       if (draft.type->configure(draft.type->self, instance, values.data()) != 0) {
-        faults_.add("component-broken", draft.where, std::string(draft.type->name) + " could not be configured", "a working component",
-                    "this is a fault of its library");
+        faults_.add("component-broken", draft.where, std::string(draft.type->name) + " could not be configured",
+                    "a working component", "this is a fault of its library");
         stop_if_faulty();
       }
       group.instances.constructed();
@@ -438,8 +454,8 @@ class Compiler {
             // The parameter may rest on its default; the place is then the component.
             const bool written = parameter != nullptr && here->draft->value->find(parameter) != nullptr;
             here->faults->add("inconsistent", written ? pointer(here->draft->where, parameter) : here->draft->where,
-                              (parameter == nullptr ? std::string() : "\"" + std::string(parameter) + "\": ") + found, expected,
-                              "change one of them", !written);
+                              (parameter == nullptr ? std::string() : "\"" + std::string(parameter) + "\": ") + found,
+                              expected, "change one of them", !written);
           },
           &context);
     }
@@ -452,7 +468,8 @@ class Compiler {
       if (draft.type == nullptr) continue;
       const bramah_type& type = *draft.type;
       const auto component = static_cast<Index>(k);
-      const void* instance = draft.sound ? s.groups[static_cast<std::size_t>(draft.group)].instances.at(draft.position) : nullptr;
+      const void* instance =
+          draft.sound ? s.groups[static_cast<std::size_t>(draft.group)].instances.at(draft.position) : nullptr;
       draft.first_x = s.n();
       draft.first_z = s.nz();
       std::vector<double> x, v, z;
@@ -479,14 +496,16 @@ class Compiler {
         if (terminal.source != BRAMAH_OWN) continue;
         for (Index j = terminal.first; j < terminal.first + terminal.slots; ++j) {
           auto& list = terminal.family == BRAMAH_X ? s.x : s.z;
-          list[static_cast<std::size_t>((terminal.family == BRAMAH_X ? draft.first_x : draft.first_z) + j)].kind = terminal.kind;
+          list[static_cast<std::size_t>((terminal.family == BRAMAH_X ? draft.first_x : draft.first_z) + j)].kind =
+              terminal.kind;
         }
       }
       draft.first_holonomic = s.m();
       draft.first_nonholonomic = s.l();
       draft.first_output = s.ny();
       const auto add_rows = [&](std::vector<Row>& rows, const bramah_row_info* info, std::int32_t count) {
-        for (std::int32_t i = 0; i < count; ++i) rows.push_back({draft.name + "." + info[i].name, info[i].unit, component});
+        for (std::int32_t i = 0; i < count; ++i)
+          rows.push_back({draft.name + "." + info[i].name, info[i].unit, component});
       };
       add_rows(s.holonomic, type.holonomic, type.holonomic_count);
       add_rows(s.nonholonomic, type.nonholonomic, type.nonholonomic_count);
@@ -505,8 +524,8 @@ class Compiler {
       }
     }
     if (s.n() + s.nz() == 0 && faults_.list.empty() && faults_.unread.empty()) {
-      faults_.add("no-variables", "/components", "components without any variable", "at least one body, volume or other owner of variables",
-                  "add what moves or stores", true);
+      faults_.add("no-variables", "/components", "components without any variable",
+                  "at least one body, volume or other owner of variables", "add what moves or stores", true);
     }
   }
 
@@ -602,7 +621,8 @@ class Compiler {
 
   [[nodiscard]] std::string wanted(const bramah_port_info& port) const {
     const std::vector<std::string> names = fitting(port);
-    const std::string unit = port.unit[0] == '\0' || port.unit == std::string_view("1") ? "" : std::string(" in ") + port.unit;
+    const std::string unit =
+        port.unit[0] == '\0' || port.unit == std::string_view("1") ? "" : std::string(" in ") + port.unit;
     return std::string("a component with a ") + spoken(port.kind) + unit + " (" + port.doc + ")" +
            (names.empty() ? "; the scene has none" : ": " + quoted_list(names));
   }
@@ -614,7 +634,8 @@ class Compiler {
 
   void check_connected(const Draft& draft, const bramah_port_info& port) {
     if (port.required == 0 || draft.value->find(port.name) != nullptr || draft.meant.count(port.name) > 0) return;
-    faults_.add("missing-port", draft.where, std::string("port \"") + port.name + "\" of " + draft.type->name + " is not connected", wanted(port),
+    faults_.add("missing-port", draft.where,
+                std::string("port \"") + port.name + "\" of " + draft.type->name + " is not connected", wanted(port),
                 std::string("add \"") + port.name + "\" to \"" + draft.name + '"', true);
   }
 
@@ -622,7 +643,8 @@ class Compiler {
   Index resolve(const Draft& draft, const bramah_port_info& port, const Value& value) {
     const std::string where = pointer(draft.where, port.name);
     if (value.text() == nullptr) {
-      faults_.add("wrong-kind", where, named(where) + " is " + description(value), wanted(port), "write \"component\" or \"component.terminal\"");
+      faults_.add("wrong-kind", where, named(where) + " is " + description(value), wanted(port),
+                  "write \"component\" or \"component.terminal\"");
       return 0;
     }
     const std::string& reference = *value.text();
@@ -633,8 +655,10 @@ class Compiler {
       std::vector<std::string> names = fitting(port);
       for (const Draft& other : drafts_) names.push_back(other.name);
       const std::string meant = closest(reference, names);
-      faults_.add("unknown-component", where, named(where) + " is \"" + reference + "\", and there is no component \"" + name + '"', wanted(port),
-                  meant.empty() ? suggestion(name, names, "check the spelling, or add the component") : "did you mean \"" + meant + "\"?");
+      faults_.add("unknown-component", where,
+                  named(where) + " is \"" + reference + "\", and there is no component \"" + name + '"', wanted(port),
+                  meant.empty() ? suggestion(name, names, "check the spelling, or add the component")
+                                : "did you mean \"" + meant + "\"?");
       return 0;
     }
     Draft& other = drafts_[found->second];
@@ -653,24 +677,30 @@ class Compiler {
       if (chosen != nullptr) {
         is += "a " + spoken(chosen->kind);
       } else {
-        const bool is_variable = dot != std::string::npos && (system().find_x(reference) >= 0 || system().find_z(reference) >= 0);
-        is += is_variable                ? "a variable that nothing can be connected to"
-              : dot != std::string::npos ? "and " + std::string(other.type->name) + " has no terminal \"" + reference.substr(dot + 1) + '"'
-                                         : "a " + std::string(other.type->name) + " without " + spoken(port.kind);
+        const bool is_variable =
+            dot != std::string::npos && (system().find_x(reference) >= 0 || system().find_z(reference) >= 0);
+        is += is_variable ? "a variable that nothing can be connected to"
+              : dot != std::string::npos
+                  ? "and " + std::string(other.type->name) + " has no terminal \"" + reference.substr(dot + 1) + '"'
+                  : "a " + std::string(other.type->name) + " without " + spoken(port.kind);
         if (dot != std::string::npos) remedy = suggestion(reference, names, "");
       }
       if (remedy.empty()) {
-        remedy = terminals.empty() ? "nothing can be connected to \"" + name + "\"; name another component"
-                                   : "\"" + name + "\" offers " + listed(terminals) + "; name another component or terminal";
+        remedy = terminals.empty()
+                     ? "nothing can be connected to \"" + name + "\"; name another component"
+                     : "\"" + name + "\" offers " + listed(terminals) + "; name another component or terminal";
       }
       faults_.add("wrong-terminal", where, is, wanted(port), remedy);
       return 0;
     }
     check_units(port, *chosen, other, where);
     switch (chosen->source) {
-      case BRAMAH_CONSTANT: return constants_of(other, port.family) + chosen->first;
-      case BRAMAH_SIGNAL: return system().nz() + other.input;
-      default: return (chosen->family == BRAMAH_X ? other.first_x : other.first_z) + chosen->first;
+      case BRAMAH_CONSTANT:
+        return constants_of(other, port.family) + chosen->first;
+      case BRAMAH_SIGNAL:
+        return system().nz() + other.input;
+      default:
+        return (chosen->family == BRAMAH_X ? other.first_x : other.first_z) + chosen->first;
     }
   }
 
@@ -682,18 +712,25 @@ class Compiler {
 
   static bool fits_unit(const bramah_port_info& port, const bramah_terminal_info& terminal, const Draft& other) {
     if (port.slots != 1 || port.unit[0] == '\0') return true;
-    const std::string offered = other.texts.empty() && terminal.unit[0] == '@' ? "" : parameter_unit(*other.type, terminal.unit, other);
+    const std::string offered =
+        other.texts.empty() && terminal.unit[0] == '@' ? "" : parameter_unit(*other.type, terminal.unit, other);
     if (offered.empty()) return true;
     const std::optional<Unit> a = parse_unit(port.unit), b = parse_unit(offered);
     return a && b && a->same_dimension(*b);
   }
 
-  void check_units(const bramah_port_info& port, const bramah_terminal_info& terminal, const Draft& other, const std::string& where) {
+  void check_units(const bramah_port_info& port, const bramah_terminal_info& terminal, const Draft& other,
+                   const std::string& where) {
     if (fits_unit(port, terminal, other) || (!other.sound && terminal.unit[0] == '@')) return;
     const std::string offered = parameter_unit(*other.type, terminal.unit, other);
-    faults_.add("wrong-unit", where, named(where) + " is \"" + other.name + "." + terminal.name + "\", " + (offered == "1" ? "which has no unit" : "in " + offered), wanted(port),
-                terminal.unit[0] == '@' ? "give \"" + other.name + "\" the " + (terminal.unit + 1) + " \"" + port.unit + "\", or name another component"
-                : fitting(port).empty() ? std::string("add such a component") : std::string("name another component or terminal"));
+    faults_.add("wrong-unit", where,
+                named(where) + " is \"" + other.name + "." + terminal.name + "\", " +
+                    (offered == "1" ? "which has no unit" : "in " + offered),
+                wanted(port),
+                terminal.unit[0] == '@' ? "give \"" + other.name + "\" the " + (terminal.unit + 1) + " \"" + port.unit +
+                                              "\", or name another component"
+                : fitting(port).empty() ? std::string("add such a component")
+                                        : std::string("name another component or terminal"));
   }
 
   void read_start() {
@@ -724,7 +761,8 @@ class Compiler {
         for (const auto& [name, unused] : rates) names.push_back(name);
         std::sort(names.begin(), names.end());
         faults_.add("unknown-variable", where, "there is no variable \"" + member.key + "\"",
-                    names.empty() ? "a variable; the scene has none" : "a variable of the scene: " + quoted_list(related(member.key, names)),
+                    names.empty() ? "a variable; the scene has none"
+                                  : "a variable of the scene: " + quoted_list(related(member.key, names)),
                     suggestion(member.key, names, "`bramah check SCENE` lists all variables"), true);
       }
     }
@@ -736,19 +774,28 @@ class Compiler {
       const Index mh = type.holonomic_count, rows = mh + type.nonholonomic_count;
       const auto row_count = [&](int block) -> Index {
         switch (row_family(block)) {
-          case RowFamily::force: return type.nx;
-          case RowFamily::storage: return type.nz;
-          case RowFamily::holonomic: return mh;
-          case RowFamily::constraint: return rows;
-          default: return type.output_count;
+          case RowFamily::force:
+            return type.nx;
+          case RowFamily::storage:
+            return type.nz;
+          case RowFamily::holonomic:
+            return mh;
+          case RowFamily::constraint:
+            return rows;
+          default:
+            return type.output_count;
         }
       };
       const auto column_count = [&](int block) -> Index {
         switch (column_family(block)) {
-          case ColumnFamily::x: return type.nx;
-          case ColumnFamily::z: return type.nz;
-          case ColumnFamily::u: return type.nu;
-          default: return rows;
+          case ColumnFamily::x:
+            return type.nx;
+          case ColumnFamily::z:
+            return type.nz;
+          case ColumnFamily::u:
+            return type.nu;
+          default:
+            return rows;
         }
       };
       std::array<std::vector<std::uint8_t>, BRAMAH_BLOCKS> marks;
@@ -762,8 +809,11 @@ class Compiler {
         if (type.structure(type.self, group.instances.at(i), pointers) == 0) continue;
         const Draft& draft = drafts_[static_cast<std::size_t>(group.component[static_cast<std::size_t>(i)])];
         faults_.add("component-broken", draft.where,
-                    std::string(type.name) + " couples what no balance can hold (a storage balance on an acceleration, a force on the rate of a first-order variable, or a balance on a multiplier)",
-                    "forces of t, x, v, a, z, u and storages of t, x, v, z, zdot, u", "rewrite the component with a variable of its own");
+                    std::string(type.name) +
+                        " couples what no balance can hold (a storage balance on an acceleration, a force on the rate "
+                        "of a first-order variable, or a balance on a multiplier)",
+                    "forces of t, x, v, a, z, u and storages of t, x, v, z, zdot, u",
+                    "rewrite the component with a variable of its own");
         return;
       }
       // Entries that no instance connects to a variable are never asked for: ground's columns, unconnected ports.
@@ -776,7 +826,8 @@ class Compiler {
         return result;
       };
       const std::vector<bool> live_x = live(group.x, type.nx, s.n()), live_z = live(group.z, type.nz, s.nz()),
-                              live_zu = live(group.z, type.nz, s.nz() + s.nu()), live_u = live(group.u, type.nu, s.nz() + s.nu());
+                              live_zu = live(group.z, type.nz, s.nz() + s.nu()),
+                              live_u = live(group.u, type.nu, s.nz() + s.nu());
       for (int b = 0; b < BRAMAH_BLOCKS; ++b) {
         const auto k = static_cast<std::size_t>(b);
         BlockPattern& pattern = group.patterns[k];
@@ -785,18 +836,23 @@ class Compiler {
         pattern.start.assign(static_cast<std::size_t>(pattern.columns) + 1, 0);
         for (Index j = 0; j < pattern.columns; ++j) {
           const auto column = static_cast<std::size_t>(j);
-          const bool live_column = column_family(b) == ColumnFamily::x   ? live_x[column]
-                                   : column_family(b) == ColumnFamily::z ? (b == BRAMAH_G_ZDOT ? live_z[column] : live_zu[column])
+          const bool live_column = column_family(b) == ColumnFamily::x ? live_x[column]
+                                   : column_family(b) == ColumnFamily::z
+                                       ? (b == BRAMAH_G_ZDOT ? live_z[column] : live_zu[column])
                                    : column_family(b) == ColumnFamily::u ? live_u[column]
                                                                          : true;
           for (Index i = 0; live_column && i < pattern.rows; ++i) {
             const auto row = static_cast<std::size_t>(i);
-            const bool live_row = row_family(b) == RowFamily::force ? live_x[row] : row_family(b) == RowFamily::storage ? live_z[row] : true;
-            if (live_row && marks[k][static_cast<std::size_t>(i * pattern.columns + j)] != 0) pattern.row.push_back(static_cast<std::int32_t>(i));
+            const bool live_row = row_family(b) == RowFamily::force     ? live_x[row]
+                                  : row_family(b) == RowFamily::storage ? live_z[row]
+                                                                        : true;
+            if (live_row && marks[k][static_cast<std::size_t>(i * pattern.columns + j)] != 0)
+              pattern.row.push_back(static_cast<std::int32_t>(i));
           }
           pattern.start[column + 1] = static_cast<std::int32_t>(pattern.row.size());
         }
-        group.pattern_views[k] = {pattern.rows, pattern.columns, static_cast<Index>(pattern.row.size()), pattern.start.data(), pattern.row.data()};
+        group.pattern_views[k] = {pattern.rows, pattern.columns, static_cast<Index>(pattern.row.size()),
+                                  pattern.start.data(), pattern.row.data()};
       }
     }
   }
@@ -864,14 +920,16 @@ class Compiler {
     for (std::size_t i = 0; i < s.x.size(); ++i) {
       if (x_held[i]) continue;
       faults_.add("no-equation", of(s.x[i]), "coordinate " + s.x[i].name + " has neither inertia nor a constraint",
-                  "a body's mass or a constraint that acts on it", "connect what has mass or constrains it, or remove it", true);
+                  "a body's mass or a constraint that acts on it",
+                  "connect what has mass or constrains it, or remove it", true);
     }
     drop_without_storage(z_held);
     for (std::size_t i = 0; i < s.z.size(); ++i) {
       if (z_held[i]) continue;
       const bool pressure = s.z[i].kind == "pressure";
       faults_.add("no-equation", of(s.z[i]), s.z[i].name + " has no storage, so its rate is undefined",
-                  pressure ? "a hose, a cylinder chamber or another component that stores there" : "a component that stores there",
+                  pressure ? "a hose, a cylinder chamber or another component that stores there"
+                           : "a component that stores there",
                   pressure ? "connect one, or make it a pressure source" : "connect one, or remove it", true);
     }
   }

@@ -59,8 +59,8 @@ void Numbers::read_constants(const Value* section) {
 
 bool Numbers::is_finite(double value, const std::string& where) {
   if (std::isfinite(value)) return true;
-  faults_.add("number-out-of-range", where, named(where) + " is not a finite number", "a number between -1.79e308 and 1.79e308 in SI units",
-              "check the exponent");
+  faults_.add("number-out-of-range", where, named(where) + " is not a finite number",
+              "a number between -1.79e308 and 1.79e308 in SI units", "check the exponent");
   return false;
 }
 
@@ -76,15 +76,16 @@ std::optional<Quantity> Numbers::quantity_of(const std::string& text, const std:
   } else {
     const bool is_constant = constants_.find(text) != constants_.end();
     if (is_constant) used_.insert(text);
-    faults_.add("bad-number", where, found, "a number, or a number with a unit such as " + example,
-                is_constant ? "did you mean \"=" + text + "\"?" : "write the number first; constants are written \"=name\"");
+    faults_.add(
+        "bad-number", where, found, "a number, or a number with a unit such as " + example,
+        is_constant ? "did you mean \"=" + text + "\"?" : "write the number first; constants are written \"=name\"");
   }
   return std::nullopt;
 }
 
 /// The unit of a quantity; a fault where it is none. `wanted` may be null: any dimension.
-std::optional<Unit> Numbers::unit_of(const Quantity& quantity, const std::string& text, const std::string& where, const Unit* wanted,
-                                     const std::string& shown) {
+std::optional<Unit> Numbers::unit_of(const Quantity& quantity, const std::string& text, const std::string& where,
+                                     const Unit* wanted, const std::string& shown) {
   const std::optional<Unit> unit = parse_unit(quantity.unit);
   if (unit) return unit;
   std::string remedy = "write products with a dot: N.m, kg.m^2, m^3/(s.Pa^0.5)";
@@ -93,8 +94,10 @@ std::optional<Unit> Numbers::unit_of(const Quantity& quantity, const std::string
   } else if (wanted != nullptr) {
     remedy = suggestion(quantity.unit, split(alternatives(*wanted)), remedy);
   }
-  faults_.add("unknown-unit", where, named(where) + " is " + description(text) + ", and \"" + quantity.unit + "\" is no unit",
-              wanted == nullptr ? "a unit such as MPa, mm or kg/m^3" : "a unit for " + shown + ": " + alternatives(*wanted), remedy);
+  faults_.add(
+      "unknown-unit", where, named(where) + " is " + description(text) + ", and \"" + quantity.unit + "\" is no unit",
+      wanted == nullptr ? "a unit such as MPa, mm or kg/m^3" : "a unit for " + shown + ": " + alternatives(*wanted),
+      remedy);
   return std::nullopt;
 }
 
@@ -104,8 +107,10 @@ std::optional<double> Numbers::read(const Value& value, const std::string& where
   if (const double* number = value.number()) return is_finite(*number, where) ? std::optional(*number) : std::nullopt;
   const std::string* text = value.text();
   if (text == nullptr) {
-    faults_.add("wrong-kind", where, named(where) + " is " + description(value),
-                shown == "1" ? std::string("a number") : "a number in " + shown + ", or text such as \"1 " + shown + "\"", "write one number");
+    faults_.add(
+        "wrong-kind", where, named(where) + " is " + description(value),
+        shown == "1" ? std::string("a number") : "a number in " + shown + ", or text such as \"1 " + shown + "\"",
+        "write one number");
     return std::nullopt;
   }
   if (!text->empty() && text->front() == '=') return constant_value(text->substr(1), where, wanted, shown);
@@ -126,23 +131,25 @@ std::optional<double> Numbers::read(const Value& value, const std::string& where
 }
 
 /// What "=name" stands for.
-std::optional<double> Numbers::constant_value(const std::string& name, const std::string& where, const std::optional<Unit>& wanted,
-                                              const std::string& shown) {
+std::optional<double> Numbers::constant_value(const std::string& name, const std::string& where,
+                                              const std::optional<Unit>& wanted, const std::string& shown) {
   const auto constant = constants_.find(name);
   if (constant == constants_.end()) {
     std::vector<std::string> names;
     for (const auto& [key, unused] : constants_) names.push_back(key);
     const std::string meant = closest(name, names);
     used_.insert(meant);
-    faults_.add("unknown-constant", where, named(where) + " is \"=" + name + "\", and there is no constant \"" + name + '"',
-                names.empty() ? "a name from the section \"constants\", which is empty" : "one of: " + quoted_list(names),
-                meant.empty() ? "add it to \"constants\"" : "did you mean \"=" + meant + "\"?");
+    faults_.add(
+        "unknown-constant", where, named(where) + " is \"=" + name + "\", and there is no constant \"" + name + '"',
+        names.empty() ? "a name from the section \"constants\", which is empty" : "one of: " + quoted_list(names),
+        meant.empty() ? "add it to \"constants\"" : "did you mean \"=" + meant + "\"?");
     return std::nullopt;
   }
   used_.insert(name);
   if (!constant->second.sound) return std::nullopt;  // reported already
   if (!constant->second.plain && wanted && !constant->second.unit.same_dimension(*wanted)) {
-    faults_.add("wrong-unit", where, named(where) + " is \"=" + name + "\", and that constant is " + constant->second.written,
+    faults_.add("wrong-unit", where,
+                named(where) + " is \"=" + name + "\", and that constant is " + constant->second.written,
                 "a quantity in " + shown, "use a constant in one of " + alternatives(*wanted));
     return std::nullopt;
   }
@@ -154,10 +161,12 @@ namespace {
 bool refers(const Value& value, const std::string& reference) {
   if (value.text() != nullptr) return *value.text() == reference;
   if (value.list() != nullptr) {
-    return std::any_of(value.list()->begin(), value.list()->end(), [&](const Value& item) { return refers(item, reference); });
+    return std::any_of(value.list()->begin(), value.list()->end(),
+                       [&](const Value& item) { return refers(item, reference); });
   }
   if (value.object() == nullptr) return false;
-  return std::any_of(value.object()->begin(), value.object()->end(), [&](const Member& m) { return refers(m.value, reference); });
+  return std::any_of(value.object()->begin(), value.object()->end(),
+                     [&](const Member& m) { return refers(m.value, reference); });
 }
 
 }  // namespace
@@ -168,8 +177,8 @@ void Numbers::report_unused(const Value& root) {
   const bool all_read = faults_.list.empty();  // else it may be used where nothing could be read
   for (const Member& member : *section->object()) {
     if (used_.count(member.key) > 0 || (!all_read && refers(root, "=" + member.key))) continue;
-    faults_.add("unused", pointer("/constants", member.key), "constant \"" + member.key + "\" is used nowhere", "every constant to be used",
-                "remove it, or refer to it as \"=" + member.key + "\"", true);
+    faults_.add("unused", pointer("/constants", member.key), "constant \"" + member.key + "\" is used nowhere",
+                "every constant to be used", "remove it, or refer to it as \"=" + member.key + "\"", true);
   }
 }
 

@@ -19,16 +19,26 @@ void visit_measured(const System& s, const std::function<bool(const Measured&)>&
   };
   using K = Measured::Kind;
   using std::size_t;
-  each(K::x, s.n(), [&](size_t i) { return s.x[i].name; }, [&](size_t i) { return s.x[i].unit; }) &&
-      each(K::v, s.n(), [&](size_t i) { return s.x[i].name + ".rate"; }, [&](size_t i) { return rate_unit(s.x[i].unit); }) &&
-      each(K::a, s.n(), [&](size_t i) { return s.x[i].name + ".acceleration"; },
-           [&](size_t i) { return s.x[i].unit == "1" ? std::string("1/s^2") : s.x[i].unit + "/s^2"; }) &&
-      each(K::z, s.nz(), [&](size_t i) { return s.z[i].name; }, [&](size_t i) { return s.z[i].unit; }) &&
-      each(K::zdot, s.nz(), [&](size_t i) { return s.z[i].name + ".rate"; }, [&](size_t i) { return rate_unit(s.z[i].unit); }) &&
-      each(K::lambda, s.m() + s.l(), [&](size_t i) { return s.multiplier_name(static_cast<Index>(i)); },
-           [&](size_t i) { return s.multiplier_unit(static_cast<Index>(i)); }) &&
-      each(K::y, s.ny(), [&](size_t i) { return s.outputs[i].name; }, [&](size_t i) { return s.outputs[i].unit; }) &&
-      each(K::input, s.nu(), [&](size_t i) { return s.inputs[i].name; }, [&](size_t i) { return s.inputs[i].unit; });
+  each(
+      K::x, s.n(), [&](size_t i) { return s.x[i].name; }, [&](size_t i) { return s.x[i].unit; }) &&
+      each(
+          K::v, s.n(), [&](size_t i) { return s.x[i].name + ".rate"; },
+          [&](size_t i) { return rate_unit(s.x[i].unit); }) &&
+      each(
+          K::a, s.n(), [&](size_t i) { return s.x[i].name + ".acceleration"; },
+          [&](size_t i) { return s.x[i].unit == "1" ? std::string("1/s^2") : s.x[i].unit + "/s^2"; }) &&
+      each(
+          K::z, s.nz(), [&](size_t i) { return s.z[i].name; }, [&](size_t i) { return s.z[i].unit; }) &&
+      each(
+          K::zdot, s.nz(), [&](size_t i) { return s.z[i].name + ".rate"; },
+          [&](size_t i) { return rate_unit(s.z[i].unit); }) &&
+      each(
+          K::lambda, s.m() + s.l(), [&](size_t i) { return s.multiplier_name(static_cast<Index>(i)); },
+          [&](size_t i) { return s.multiplier_unit(static_cast<Index>(i)); }) &&
+      each(
+          K::y, s.ny(), [&](size_t i) { return s.outputs[i].name; }, [&](size_t i) { return s.outputs[i].unit; }) &&
+      each(
+          K::input, s.nu(), [&](size_t i) { return s.inputs[i].name; }, [&](size_t i) { return s.inputs[i].unit; });
 }
 
 }  // namespace
@@ -58,7 +68,8 @@ namespace {
 
 class OptionReader {
  public:
-  OptionReader(const System& system, Numbers& numbers, Faults& faults) : system_(system), numbers_(numbers), faults_(faults) {}
+  OptionReader(const System& system, Numbers& numbers, Faults& faults)
+      : system_(system), numbers_(numbers), faults_(faults) {}
 
   /// Calls `key(member, where)` for each member of the section; keys it does not take are faults.
   void section(const Value& root, std::string_view name, const std::vector<std::string>& keys,
@@ -76,12 +87,13 @@ class OptionReader {
     }
   }
 
-  void number(const Value& value, const std::string& where, std::string_view unit, double least, double& result, bool strictly) {
+  void number(const Value& value, const std::string& where, std::string_view unit, double least, double& result,
+              bool strictly) {
     const auto read = numbers_.read(value, where, unit);
     if (!read) return;
     if (*read < least || (strictly && *read == least)) {
-      faults_.add("out-of-range", where, named(where) + " is " + with_unit(*read, unit), (strictly ? "above " : "at least ") + with_unit(least, unit),
-                  "correct the number, or its unit");
+      faults_.add("out-of-range", where, named(where) + " is " + with_unit(*read, unit),
+                  (strictly ? "above " : "at least ") + with_unit(least, unit), "correct the number, or its unit");
       return;
     }
     result = *read;
@@ -90,7 +102,8 @@ class OptionReader {
   void numbers(const Value& value, const std::string& where, std::string_view unit, std::vector<double>& result) {
     if (value.list() == nullptr) {
       faults_.add("wrong-kind", where, named(where) + " is " + description(value),
-                  "a list of numbers" + (unit == "1" ? std::string() : " in " + std::string(unit)), "write [a, b, ...]");
+                  "a list of numbers" + (unit == "1" ? std::string() : " in " + std::string(unit)),
+                  "write [a, b, ...]");
       return;
     }
     std::size_t k = 0;
@@ -100,7 +113,8 @@ class OptionReader {
   }
 
   template <class Enum>
-  void word(const Value& value, const std::string& where, const std::vector<std::pair<std::string, Enum>>& words, Enum& result) {
+  void word(const Value& value, const std::string& where, const std::vector<std::pair<std::string, Enum>>& words,
+            Enum& result) {
     std::vector<std::string> known;
     for (const auto& [text, meaning] : words) {
       known.push_back(text);
@@ -110,7 +124,8 @@ class OptionReader {
       }
     }
     faults_.add("wrong-choice", where, named(where) + " is " + description(value), "one of: " + quoted_list(known),
-                value.text() == nullptr ? "write one of these words" : suggestion(*value.text(), known, "write one of these words"));
+                value.text() == nullptr ? "write one of these words"
+                                        : suggestion(*value.text(), known, "write one of these words"));
   }
 
   /// Names of x or z variables.
@@ -124,7 +139,8 @@ class OptionReader {
     for (const Value& item : *list.list()) {
       const std::string here = pointer(where, k++);
       if (item.text() == nullptr) {
-        faults_.add("wrong-kind", here, named(here) + " is " + description(item), "the name of a variable", "put it in double quotes");
+        faults_.add("wrong-kind", here, named(here) + " is " + description(item), "the name of a variable",
+                    "put it in double quotes");
         continue;
       }
       std::vector<Index>* target = &x;
@@ -142,7 +158,9 @@ class OptionReader {
         }
         const std::string kind = z == nullptr ? "coordinate" : "variable";
         faults_.add("unknown-variable", here, "there is no " + kind + " \"" + *item.text() + "\"",
-                    "a " + kind + (names.empty() ? "; the scene has none" : " of the scene: " + quoted_list(related(*item.text(), names))),
+                    "a " + kind +
+                        (names.empty() ? "; the scene has none"
+                                       : " of the scene: " + quoted_list(related(*item.text(), names))),
                     suggestion(*item.text(), names, "`bramah check SCENE` lists all variables"));
         continue;
       }
@@ -169,7 +187,8 @@ class OptionReader {
     for (const Value& item : *list->list()) {
       const std::string where = pointer("/outputs", k++);
       if (item.text() == nullptr) {
-        faults_.add("wrong-kind", where, named(where) + " is " + description(item), "the name of a variable or an output", "put it in double quotes");
+        faults_.add("wrong-kind", where, named(where) + " is " + description(item),
+                    "the name of a variable or an output", "put it in double quotes");
         continue;
       }
       Measured found;
@@ -186,7 +205,6 @@ class OptionReader {
   }
 
  private:
-
   const System& system_;
   Numbers& numbers_;
   Faults& faults_;
@@ -202,22 +220,27 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
   reader.outputs(root, options.outputs);
 
   EquilibriumOptions& equilibrium = options.equilibrium;
-  reader.section(root, "equilibrium", {"tolerance", "max_iterations"}, [&](const std::string& key, const Value& value, const std::string& where) {
-    if (key == "tolerance") {
-      reader.number(value, where, "1", 0.0, equilibrium.tolerance, true);
-    } else {
-      double count = equilibrium.max_iterations;
-      reader.number(value, where, "1", 1.0, count, false);
-      equilibrium.max_iterations = static_cast<int>(std::min(count, 1e6));
-    }
-  });
+  reader.section(root, "equilibrium", {"tolerance", "max_iterations"},
+                 [&](const std::string& key, const Value& value, const std::string& where) {
+                   if (key == "tolerance") {
+                     reader.number(value, where, "1", 0.0, equilibrium.tolerance, true);
+                   } else {
+                     double count = equilibrium.max_iterations;
+                     reader.number(value, where, "1", 1.0, count, false);
+                     equilibrium.max_iterations = static_cast<int>(std::min(count, 1e6));
+                   }
+                 });
 
   SimulateOptions& simulate = options.simulate;
   simulate.asked = root.find("simulate") != nullptr;
-  reader.section(root, "simulate", {"from", "from_time", "to_time", "output_step", "output_times", "rel_tol", "max_step"},
+  reader.section(root, "simulate",
+                 {"from", "from_time", "to_time", "output_step", "output_times", "rel_tol", "max_step"},
                  [&](const std::string& key, const Value& value, const std::string& where) {
                    if (key == "from") {
-                     reader.word<SimulateOptions::From>(value, where, {{"start", SimulateOptions::From::start}, {"equilibrium", SimulateOptions::From::equilibrium}}, simulate.from);
+                     reader.word<SimulateOptions::From>(
+                         value, where,
+                         {{"start", SimulateOptions::From::start}, {"equilibrium", SimulateOptions::From::equilibrium}},
+                         simulate.from);
                    } else if (key == "from_time") {
                      reader.number(value, where, "s", -1e300, simulate.from_time, false);
                    } else if (key == "to_time") {
@@ -233,7 +256,8 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
                    }
                  });
   if (simulate.asked && !(simulate.to_time > simulate.from_time)) {
-    faults.add("out-of-range", "/simulate/to_time", "the simulation ends at to_time = " + with_unit(simulate.to_time, "s"),
+    faults.add("out-of-range", "/simulate/to_time",
+               "the simulation ends at to_time = " + with_unit(simulate.to_time, "s"),
                "a time after from_time = " + with_unit(simulate.from_time, "s"), "set \"to_time\"");
   }
   if (!std::is_sorted(simulate.output_times.begin(), simulate.output_times.end())) {
@@ -242,27 +266,34 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
 
   LinearizeOptions& linearize = options.linearize;
   linearize.asked = root.find("linearize") != nullptr;
-  reader.section(root, "linearize", {"at", "independent", "side"}, [&](const std::string& key, const Value& value, const std::string& where) {
-    if (key == "at") {
-      reader.word<LinearizeOptions::At>(value, where, {{"equilibrium", LinearizeOptions::At::equilibrium}, {"start", LinearizeOptions::At::start}}, linearize.at);
-    } else if (key == "independent") {
-      reader.variables(value, where, linearize.independent, nullptr);
-    } else {
-      reader.word<int>(value, where, {{"+", 1}, {"-", -1}}, linearize.side);
-    }
-  });
+  reader.section(root, "linearize", {"at", "independent", "side"},
+                 [&](const std::string& key, const Value& value, const std::string& where) {
+                   if (key == "at") {
+                     reader.word<LinearizeOptions::At>(
+                         value, where,
+                         {{"equilibrium", LinearizeOptions::At::equilibrium}, {"start", LinearizeOptions::At::start}},
+                         linearize.at);
+                   } else if (key == "independent") {
+                     reader.variables(value, where, linearize.independent, nullptr);
+                   } else {
+                     reader.word<int>(value, where, {{"+", 1}, {"-", -1}}, linearize.side);
+                   }
+                 });
 
   reader.section(root, "compare", {"steps"}, [&](const std::string&, const Value& value, const std::string& where) {
     reader.numbers(value, where, "1", options.compare.steps);
     if (std::any_of(options.compare.steps.begin(), options.compare.steps.end(), [](double h) { return !(h > 0.0); })) {
-      faults.add("out-of-range", where, "\"steps\" are not all above 0", "step sizes h > 0 of Eq. (100)", "remove or correct them");
+      faults.add("out-of-range", where, "\"steps\" are not all above 0", "step sizes h > 0 of Eq. (100)",
+                 "remove or correct them");
     }
   });
   reader.section(root, "study", {"linear_from"}, [&](const std::string&, const Value& value, const std::string& where) {
     reader.number(value, where, "s", 0.0, options.study.linear_from, false);
   });
-  if (const Value* title = root.find("title"); title != nullptr && title->text() != nullptr) options.study.title = *title->text();
-  if (const Value* text = root.find("description"); text != nullptr && text->text() != nullptr) options.study.description = *text->text();
+  if (const Value* title = root.find("title"); title != nullptr && title->text() != nullptr)
+    options.study.title = *title->text();
+  if (const Value* text = root.find("description"); text != nullptr && text->text() != nullptr)
+    options.study.description = *text->text();
 }
 
 }  // namespace compiling

@@ -20,7 +20,9 @@ namespace bramah::compiling {
 std::string number_text(double value);
 std::string with_unit(double value, std::string_view unit);
 /// "m" -> "m/s".
-inline std::string rate_unit(const std::string& unit) { return unit == "1" ? "1/s" : unit.find('/') != std::string::npos ? "(" + unit + ")/s" : unit + "/s"; }
+inline std::string rate_unit(const std::string& unit) {
+  return unit == "1" ? "1/s" : unit.find('/') != std::string::npos ? "(" + unit + ")/s" : unit + "/s";
+}
 
 /// The last key of a JSON pointer, for messages: `"mass"`, or `an element of "position"`.
 std::string named(const std::string& where);
@@ -31,8 +33,11 @@ struct Faults {
   std::vector<Diagnostic> list;
   /// Components whose variables are unknown, because their type is: names that begin with one of them are not judged.
   std::set<std::string, std::less<>> unread;
-  [[nodiscard]] bool is_unread(std::string_view name) const { return unread.find(name.substr(0, name.find('.'))) != unread.end(); }
-  void add(std::string code, std::string where, std::string found, std::string expected, std::string remedy, bool at_key = false);
+  [[nodiscard]] bool is_unread(std::string_view name) const {
+    return unread.find(name.substr(0, name.find('.'))) != unread.end();
+  }
+  void add(std::string code, std::string where, std::string found, std::string expected, std::string remedy,
+           bool at_key = false);
 };
 
 /// Numbers of a scene: plain (SI), with a unit ("80 mm"), or a reference to the section "constants" ("=B_oil").
@@ -48,16 +53,16 @@ class Numbers {
   struct Constant {
     double value = 0.0;
     Unit unit;
-    bool plain = true;   // without a unit: fits every dimension
+    bool plain = true;  // without a unit: fits every dimension
     bool sound = false;
     std::string written;  // for messages
   };
   bool is_finite(double value, const std::string& where);
   std::optional<Quantity> quantity_of(const std::string& text, const std::string& where, std::string_view unit);
-  std::optional<Unit> unit_of(const Quantity& quantity, const std::string& text, const std::string& where, const Unit* wanted,
-                              const std::string& shown);
-  std::optional<double> constant_value(const std::string& name, const std::string& where, const std::optional<Unit>& wanted,
-                                       const std::string& shown);
+  std::optional<Unit> unit_of(const Quantity& quantity, const std::string& text, const std::string& where,
+                              const Unit* wanted, const std::string& shown);
+  std::optional<double> constant_value(const std::string& name, const std::string& where,
+                                       const std::optional<Unit>& wanted, const std::string& shown);
   Faults& faults_;
   std::map<std::string, Constant, std::less<>> constants_;
   std::set<std::string> used_;

@@ -115,7 +115,8 @@ TEST_P(BrokenScene, SaysWhatIsWrong) {
   EXPECT_EQ(found, contents(golden));
 }
 
-INSTANTIATE_TEST_SUITE_P(Errors, BrokenScene, testing::ValuesIn(names_of(".json")), [](const auto& p) { return p.param; });
+INSTANTIATE_TEST_SUITE_P(Errors, BrokenScene, testing::ValuesIn(names_of(".json")),
+                         [](const auto& p) { return p.param; });
 
 TEST(Goldens, BelongToAScene) {
   const std::vector<std::string> scenes = names_of(".json");

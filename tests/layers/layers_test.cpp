@@ -64,7 +64,7 @@ TEST_F(MadeUpTree, ReportsAnUpwardArrow) {
 }
 
 TEST_F(MadeUpTree, ReportsANeighbourOnTheSameFloor) {
-  write("engine/system/state.hpp", "#include \"sparse/klu.hpp\"");
+  write("engine/system/state.hpp", "#include \"sparse/lu.hpp\"");
   EXPECT_EQ(violations(root_).size(), 1U);
 }
 

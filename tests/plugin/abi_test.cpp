@@ -198,10 +198,10 @@ TEST(Abi, NumbersAreFrozen) {
   const std::array<int, 3> families = {BRAMAH_X, BRAMAH_Z, BRAMAH_U};
   const std::array<int, 5> kinds = {BRAMAH_NUMBER, BRAMAH_VECTOR, BRAMAH_LIST, BRAMAH_CHOICE, BRAMAH_TEXT};
   const std::array<int, 3> sources = {BRAMAH_OWN, BRAMAH_CONSTANT, BRAMAH_SIGNAL};
-  const std::array<int, 23> blocks = {
-      BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_G_X, BRAMAH_G_V, BRAMAH_G_Z,
-      BRAMAH_G_ZDOT, BRAMAH_G_U, BRAMAH_C_X, BRAMAH_R_X, BRAMAH_R_V, BRAMAH_S_X, BRAMAH_S_V, BRAMAH_L_X,
-      BRAMAH_Y_X, BRAMAH_Y_V, BRAMAH_Y_A, BRAMAH_Y_Z, BRAMAH_Y_U, BRAMAH_Y_LAMBDA, BRAMAH_BLOCKS};
+  const std::array<int, 23> blocks = {BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A,    BRAMAH_F_Z,      BRAMAH_F_U,   BRAMAH_G_X,
+                                      BRAMAH_G_V, BRAMAH_G_Z, BRAMAH_G_ZDOT, BRAMAH_G_U,      BRAMAH_C_X,   BRAMAH_R_X,
+                                      BRAMAH_R_V, BRAMAH_S_X, BRAMAH_S_V,    BRAMAH_L_X,      BRAMAH_Y_X,   BRAMAH_Y_V,
+                                      BRAMAH_Y_A, BRAMAH_Y_Z, BRAMAH_Y_U,    BRAMAH_Y_LAMBDA, BRAMAH_BLOCKS};
   for (std::size_t i = 0; i < families.size(); ++i) EXPECT_EQ(families[i], static_cast<int>(i));
   for (std::size_t i = 0; i < kinds.size(); ++i) EXPECT_EQ(kinds[i], static_cast<int>(i));
   for (std::size_t i = 0; i < sources.size(); ++i) EXPECT_EQ(sources[i], static_cast<int>(i));

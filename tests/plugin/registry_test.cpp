@@ -106,7 +106,8 @@ TEST(SearchPath, IsNamedInItsOrderWhereNothingIsFound) {
   const auto error = refusal([] { Registry({second, first}).load("absent"); });
   ASSERT_TRUE(error);
   EXPECT_EQ(error->code(), "library-missing");
-  EXPECT_EQ(error->expected(), "a file absent.so in one of: " + fs::canonical(second).string() + ", " + fs::canonical(first).string());
+  EXPECT_EQ(error->expected(),
+            "a file absent.so in one of: " + fs::canonical(second).string() + ", " + fs::canonical(first).string());
   EXPECT_THAT(error->remedy(), HasSubstr("alone, other, shared, twin"));
   EXPECT_EQ(refusal([] { Registry({first}).load("aloen"); })->remedy(), "did you mean \"alone\"?");
   EXPECT_EQ(refusal([] { Registry({first}).load("allone"); })->remedy(), "did you mean \"alone\"?");
@@ -129,7 +130,8 @@ TEST(SearchPath, CountsAFolderNamedTwiceOnce) {
 // ---- names ----
 
 TEST(Load, WantsNamesAndNotPaths) {
-  for (const char* name : {"./alone", "alone.so", "/lib/alone.so", "../first/alone", "Alone", "", "a b", "a-b", "al\nne"}) {
+  for (const char* name :
+       {"./alone", "alone.so", "/lib/alone.so", "../first/alone", "Alone", "", "a b", "a-b", "al\nne"}) {
     const auto error = refusal([&] { Registry({first}).load(name); });
     ASSERT_TRUE(error) << name;
     EXPECT_EQ(error->code(), "library-name") << name;
@@ -205,9 +207,12 @@ struct Table {
   double half = 0.5, rest = 0.0, pair[2] = {1.0, 2.0};
   const char* words[3] = {"one", "two", nullptr};
   std::vector<bramah_parameter_info> parameters = {
-      {sizeof(bramah_parameter_info), "number", "", "m", BRAMAH_NUMBER, 0, 1, 0.0, 1.0, 0, 0, &half, 1, nullptr, nullptr},
-      {sizeof(bramah_parameter_info), "vector", "", "1", BRAMAH_VECTOR, 0, 2, -HUGE_VAL, HUGE_VAL, 0, 0, pair, 2, nullptr, nullptr},
-      {sizeof(bramah_parameter_info), "choice", "", "", BRAMAH_CHOICE, 0, 1, -HUGE_VAL, HUGE_VAL, 0, 0, nullptr, 0, "two", words},
+      {sizeof(bramah_parameter_info), "number", "", "m", BRAMAH_NUMBER, 0, 1, 0.0, 1.0, 0, 0, &half, 1, nullptr,
+       nullptr},
+      {sizeof(bramah_parameter_info), "vector", "", "1", BRAMAH_VECTOR, 0, 2, -HUGE_VAL, HUGE_VAL, 0, 0, pair, 2,
+       nullptr, nullptr},
+      {sizeof(bramah_parameter_info), "choice", "", "", BRAMAH_CHOICE, 0, 1, -HUGE_VAL, HUGE_VAL, 0, 0, nullptr, 0,
+       "two", words},
   };
   std::vector<bramah_port_info> ports = {{sizeof(bramah_port_info), "a", "", "pressure", "Pa", BRAMAH_Z, 1, 1, nullptr},
                                          {sizeof(bramah_port_info), "b", "", "pressure", "Pa", BRAMAH_Z, 1, 0, &rest}};

@@ -40,8 +40,8 @@ Diagnostic only_fault(const std::string& setting) {
 }
 
 TEST(Apply, ReachesTheSystem) {
-  const Compiled result = with({"start.rod.angle=90 deg", "start.rod.x.rate=-2 cm/s", "simulate.to_time=2.5", "simulate.from=equilibrium",
-                                "linearize.side=-", "rod.inertia=0.25 kg.m^2"});
+  const Compiled result = with({"start.rod.angle=90 deg", "start.rod.x.rate=-2 cm/s", "simulate.to_time=2.5",
+                                "simulate.from=equilibrium", "linearize.side=-", "rod.inertia=0.25 kg.m^2"});
   EXPECT_DOUBLE_EQ(result.system.x[2].start, 1.5707963267948966);
   EXPECT_EQ(result.system.x[0].start_rate, -0.02);
   EXPECT_EQ(result.options.simulate.to_time, 2.5);
@@ -88,7 +88,9 @@ TEST(Apply, FaultsAreThoseOfTheValue) {
 }
 
 TEST(Apply, ManyFaultsAreReportedAtOnce) {
-  EXPECT_EQ(faults({"rod.inertia=-1", "pin.b=nowhere", "start.rod.angel=1", "simulate.until=1", "rod.colour=red"}).size(), 5U);
+  EXPECT_EQ(
+      faults({"rod.inertia=-1", "pin.b=nowhere", "start.rod.angel=1", "simulate.until=1", "rod.colour=red"}).size(),
+      5U);
 }
 
 }  // namespace

@@ -26,7 +26,8 @@ Compiled compiled(const std::string& text) { return compile(read_scene_text(text
 
 /// A scene of these components, written as JSON members.
 std::string scene(const std::vector<std::string>& components, const std::string& more = "") {
-  std::string text = R"({"bramah": 1, "libraries": ["mechanics", "hydraulics", "friction", "signals"], "components": {)";
+  std::string text =
+      R"({"bramah": 1, "libraries": ["mechanics", "hydraulics", "friction", "signals"], "components": {)";
   for (std::size_t i = 0; i < components.size(); ++i) text += (i == 0 ? "\n" : ",\n") + components[i];
   return text + "}" + more + "}";
 }
@@ -90,7 +91,8 @@ TEST(Compile, NumbersInTheOrderOfDeclaration) {
   EXPECT_THAT(names(s.z), ElementsAre("V1.p", "V2.p"));
   EXPECT_THAT(names(s.holonomic), ElementsAre("pin.x", "pin.y", "knee.x", "knee.y", "piston.length"));
   EXPECT_THAT(names(s.inputs), ElementsAre("tank", "torque"));
-  EXPECT_THAT(names(s.outputs), ElementsAre("cylinder.force", "cylinder.l_2", "cylinder.l_3", "leak.flow", "seal.force"));
+  EXPECT_THAT(names(s.outputs),
+              ElementsAre("cylinder.force", "cylinder.l_2", "cylinder.l_3", "leak.flow", "seal.force"));
   ASSERT_EQ(s.components.size(), machine.size());
   for (const Variable& v : s.x) EXPECT_TRUE(v.name.starts_with(s.component_name(v.component) + "."));
   for (const Row& row : s.outputs) EXPECT_TRUE(row.name.starts_with(s.component_name(row.component) + "."));
@@ -115,7 +117,8 @@ TEST(Compile, GathersInstancesOfOneTypeInOneGroup) {
 }
 
 TEST(Compile, TakesStartValuesFromParametersAndFromTheScene) {
-  const Compiled result = compiled(scene(machine, R"(, "start": {"rod.angle": "60 deg", "bar.x.rate": "2 cm/s", "V2.p": "2 bar"})"));
+  const Compiled result =
+      compiled(scene(machine, R"(, "start": {"rod.angle": "60 deg", "bar.x.rate": "2 cm/s", "V2.p": "2 bar"})"));
   const System& s = result.system;
   EXPECT_EQ(s.x[0].start, 1.0);
   EXPECT_DOUBLE_EQ(s.x[2].start, std::acos(-1.0) / 3.0);
@@ -134,12 +137,14 @@ TEST(Compile, TakesStartValuesFromParametersAndFromTheScene) {
 
 /// The group of a type and the local x of one of its instances.
 const Group& group_of(const System& system, const std::string& type) {
-  const auto found = std::find_if(system.groups.begin(), system.groups.end(), [&](const Group& g) { return g.type->name == type; });
+  const auto found =
+      std::find_if(system.groups.begin(), system.groups.end(), [&](const Group& g) { return g.type->name == type; });
   if (found == system.groups.end()) throw std::runtime_error("no " + type);
   return *found;
 }
 
-std::vector<double> local(const std::vector<std::int32_t>& map, std::int32_t slots, Index instance, const Vector& values) {
+std::vector<double> local(const std::vector<std::int32_t>& map, std::int32_t slots, Index instance,
+                          const Vector& values) {
   std::vector<double> result;
   for (std::int32_t j = 0; j < slots; ++j) {
     result.push_back(values[static_cast<std::size_t>(map[static_cast<std::size_t>(instance * slots + j)])]);
@@ -155,9 +160,9 @@ TEST(Compile, GivesGroundAndUnconnectedPortsConstants) {
   const Group& joints = group_of(s, "mechanics/planar_revolute");
   const std::int32_t n = static_cast<std::int32_t>(s.n());
   for (int j = 0; j < 3; ++j) {
-    EXPECT_EQ(joints.x[static_cast<std::size_t>(j)], j);         // pin: a is rod
-    EXPECT_GE(joints.x[static_cast<std::size_t>(3 + j)], n);     // pin: b is ground
-    EXPECT_EQ(joints.x[static_cast<std::size_t>(9 + j)], 3 + j); // knee: b is bar
+    EXPECT_EQ(joints.x[static_cast<std::size_t>(j)], j);          // pin: a is rod
+    EXPECT_GE(joints.x[static_cast<std::size_t>(3 + j)], n);      // pin: b is ground
+    EXPECT_EQ(joints.x[static_cast<std::size_t>(9 + j)], 3 + j);  // knee: b is bar
   }
   EXPECT_THAT(local(joints.x, 6, 0, state.x), ElementsAre(1.0, 0.2, 0.3, 0.0, 0.0, 0.0));
   // Ground serves pin and piston with the same numbers.
@@ -173,12 +178,15 @@ TEST(Compile, GivesGroundAndUnconnectedPortsConstants) {
 
 TEST(Compile, KeepsRestValuesOfAPortOnce) {
   const std::string body = R"(: {"type": "mechanics/planar_body", "mass": 1, "inertia": 1})";
-  const Compiled one = compiled(scene({"\"a\"" + body})), three = compiled(scene({"\"a\"" + body, "\"b\"" + body, "\"c\"" + body}));
+  const Compiled one = compiled(scene({"\"a\"" + body})),
+                 three = compiled(scene({"\"a\"" + body, "\"b\"" + body, "\"c\"" + body}));
   EXPECT_EQ(one.system.z_constants.size(), 3U);
   EXPECT_EQ(three.system.z_constants.size(), 3U);
 }
 
-bool is_empty(const BlockPattern& pattern, std::size_t column) { return pattern.start[column] == pattern.start[column + 1]; }
+bool is_empty(const BlockPattern& pattern, std::size_t column) {
+  return pattern.start[column] == pattern.start[column + 1];
+}
 
 TEST(Compile, DropsPatternsOfConstants) {
   const std::vector<std::string> pendulum = {machine[1], machine[3], machine[4], machine[6]};
@@ -206,7 +214,8 @@ TEST(SparsePlan, IsTheSumOfBlocksAtTheirPlaces) {
   const System& s = result.system;
   Blocks blocks(s);
   const State state = some_state(s);
-  ASSERT_TRUE(blocks.evaluate(s, state, Request{}.blocks({BRAMAH_F_A, BRAMAH_F_X, BRAMAH_R_V, BRAMAH_G_Z, BRAMAH_F_Z})).ok());
+  ASSERT_TRUE(
+      blocks.evaluate(s, state, Request{}.blocks({BRAMAH_F_A, BRAMAH_F_X, BRAMAH_R_V, BRAMAH_G_Z, BRAMAH_F_Z})).ok());
 
   std::mt19937 random(7);
   const Index n = s.n(), nz = s.nz(), m = s.m(), size = n + nz + m;
@@ -214,22 +223,26 @@ TEST(SparsePlan, IsTheSumOfBlocksAtTheirPlaces) {
     std::vector<Index> places(static_cast<std::size_t>(size)), map;
     for (Index i = 0; i < size; ++i) places[static_cast<std::size_t>(i)] = i;
     for (std::size_t i = places.size(); i > 1; --i) std::swap(places[i - 1], places[random() % i]);
-    for (Index i = 0; i < count; ++i) map.push_back(holes && random() % 4 == 0 ? -1 : places[static_cast<std::size_t>(i)]);
+    for (Index i = 0; i < count; ++i)
+      map.push_back(holes && random() % 4 == 0 ? -1 : places[static_cast<std::size_t>(i)]);
     return map;
   };
   for (int trial = 0; trial < 20; ++trial) {
     const bool holes = trial > 0;
     // Inputs are columns nz.. of a block on z; a map that ends before them leaves them out.
-    const std::vector<Index> x = shuffled(n, holes), z = shuffled(nz, holes), f = shuffled(n, holes), g = shuffled(nz, holes), c = shuffled(m, holes);
+    const std::vector<Index> x = shuffled(n, holes), z = shuffled(nz, holes), f = shuffled(n, holes),
+                             g = shuffled(nz, holes), c = shuffled(m, holes);
     const Term terms[] = {{BRAMAH_F_A, f, x, false, 0}, {BRAMAH_F_X, f, x, false, 1}, {BRAMAH_R_V, c, x, false, 1},
                           {BRAMAH_R_V, c, f, true, 2},  {BRAMAH_G_Z, g, z, false, 0}, {BRAMAH_F_Z, f, z, false, 2}};
-    const Diagonal diagonals[] = {{0, 0, size, 1, {}}, {1, 0, size - 1, 2, std::vector<double>(static_cast<std::size_t>(size - 1), 0.5)}};
+    const Diagonal diagonals[] = {{0, 0, size, 1, {}},
+                                  {1, 0, size - 1, 2, std::vector<double>(static_cast<std::size_t>(size - 1), 0.5)}};
     const double weights[] = {1.0, -2.5, 0.75};
     SparsePlan plan(s, size, size, terms, diagonals);
     plan.fill(blocks, weights);
     plan.fill(blocks, weights);  // values are replaced, not added
 
-    std::vector<std::vector<double>> dense(static_cast<std::size_t>(size), std::vector<double>(static_cast<std::size_t>(size), 0.0));
+    std::vector<std::vector<double>> dense(static_cast<std::size_t>(size),
+                                           std::vector<double>(static_cast<std::size_t>(size), 0.0));
     std::set<std::pair<Index, Index>> places;
     const auto add = [&](Index row, Index column, double value) {
       dense[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)] += value;
@@ -238,9 +251,12 @@ TEST(SparsePlan, IsTheSumOfBlocksAtTheirPlaces) {
     const auto global_row = [&](const Group& group, int block, std::size_t i, std::size_t row) -> Index {
       const auto k = [&](std::int32_t slots) { return i * static_cast<std::size_t>(slots) + row; };
       switch (block) {
-        case BRAMAH_R_V: return group.first_holonomic[i] + static_cast<Index>(row);
-        case BRAMAH_G_Z: return group.z[k(group.type->nz)];
-        default: return group.x[k(group.type->nx)];
+        case BRAMAH_R_V:
+          return group.first_holonomic[i] + static_cast<Index>(row);
+        case BRAMAH_G_Z:
+          return group.z[k(group.type->nz)];
+        default:
+          return group.x[k(group.type->nx)];
       }
     };
     for (const Term& term : terms) {
@@ -251,7 +267,8 @@ TEST(SparsePlan, IsTheSumOfBlocksAtTheirPlaces) {
         std::size_t entry = 0;
         for (std::size_t i = 0; i < static_cast<std::size_t>(group.count); ++i) {
           for (std::size_t j = 0; j < static_cast<std::size_t>(pattern.columns); ++j) {
-            for (auto e = static_cast<std::size_t>(pattern.start[j]); e < static_cast<std::size_t>(pattern.start[j + 1]); ++e) {
+            for (auto e = static_cast<std::size_t>(pattern.start[j]);
+                 e < static_cast<std::size_t>(pattern.start[j + 1]); ++e) {
               const double value = blocks.block(k, term.block)[entry++];
               const std::int32_t slots = on_z ? group.type->nz : group.type->nx;
               const Index from_column = (on_z ? group.z : group.x)[i * static_cast<std::size_t>(slots) + j];
@@ -259,7 +276,8 @@ TEST(SparsePlan, IsTheSumOfBlocksAtTheirPlaces) {
               const Index columns = on_z ? nz : n;
               const Index rows = term.block == BRAMAH_R_V ? m : term.block == BRAMAH_G_Z ? nz : n;
               if (from_column >= columns || from_row >= rows) continue;
-              Index row = term.rows[static_cast<std::size_t>(from_row)], column = term.columns[static_cast<std::size_t>(from_column)];
+              Index row = term.rows[static_cast<std::size_t>(from_row)],
+                    column = term.columns[static_cast<std::size_t>(from_column)];
               if (row < 0 || column < 0) continue;
               if (term.transposed) std::swap(row, column);
               add(row, column, weights[term.weight] * value);
@@ -269,7 +287,9 @@ TEST(SparsePlan, IsTheSumOfBlocksAtTheirPlaces) {
       }
     }
     for (const Diagonal& d : diagonals) {
-      for (Index i = 0; i < d.count; ++i) add(d.row + i, d.column + i, weights[d.weight] * (d.scale.empty() ? 1.0 : d.scale[static_cast<std::size_t>(i)]));
+      for (Index i = 0; i < d.count; ++i)
+        add(d.row + i, d.column + i,
+            weights[d.weight] * (d.scale.empty() ? 1.0 : d.scale[static_cast<std::size_t>(i)]));
     }
 
     ASSERT_EQ(plan.nonzeros(), static_cast<Index>(places.size()));
@@ -278,12 +298,14 @@ TEST(SparsePlan, IsTheSumOfBlocksAtTheirPlaces) {
       for (const double value : row) largest = std::max(largest, std::abs(value));
     }
     for (Index j = 0; j < size; ++j) {
-      for (Index e = plan.start()[static_cast<std::size_t>(j)]; e < plan.start()[static_cast<std::size_t>(j) + 1]; ++e) {
+      for (Index e = plan.start()[static_cast<std::size_t>(j)]; e < plan.start()[static_cast<std::size_t>(j) + 1];
+           ++e) {
         const Index row = plan.row()[static_cast<std::size_t>(e)];
         const bool is_first = e == plan.start()[static_cast<std::size_t>(j)];
         ASSERT_TRUE(is_first || plan.row()[static_cast<std::size_t>(e) - 1] < row);
         ASSERT_TRUE(places.contains({row, j}));
-        ASSERT_NEAR(plan.values()[static_cast<std::size_t>(e)], dense[static_cast<std::size_t>(row)][static_cast<std::size_t>(j)], 1e-14 * largest);
+        ASSERT_NEAR(plan.values()[static_cast<std::size_t>(e)],
+                    dense[static_cast<std::size_t>(row)][static_cast<std::size_t>(j)], 1e-14 * largest);
       }
     }
   }
@@ -316,7 +338,8 @@ TEST(Blocks, DoNotDependOnTheOrderOfComponents) {
     for (std::size_t i = 0; i < found.size(); ++i) {
       EXPECT_EQ(found[i].first, expected[i].first);
       // Sums of a few terms in another order: rounding of the largest term, which is a force of the oil.
-      EXPECT_TRUE(testing::close(found[i].second, expected[i].second, 1e-13, found[i].first[0] == 'f' ? 1e4 : 0.0)) << found[i].first;
+      EXPECT_TRUE(testing::close(found[i].second, expected[i].second, 1e-13, found[i].first[0] == 'f' ? 1e4 : 0.0))
+          << found[i].first;
     }
   }
 }
@@ -357,7 +380,8 @@ TEST(Measured, KnowsEveryNameOnce) {
     EXPECT_FALSE(found.unit.empty()) << name;
   }
   Measured found;
-  for (const char* name : {"", "rod", "rod.", "rod.angle.", "rod.angle.rate.rate", "V1.p.acceleration", "pin.lambda", "Rod.x"}) {
+  for (const char* name :
+       {"", "rod", "rod.", "rod.angle.", "rod.angle.rate.rate", "V1.p.acceleration", "pin.lambda", "Rod.x"}) {
     EXPECT_FALSE(find_measured(s, name, found)) << name;
   }
 }
@@ -398,7 +422,8 @@ TEST(Options, DefaultToAllVariablesAndOutputs) {
   const Compiled result = compiled(scene(machine));
   const System& s = result.system;
   std::vector<std::string> expected = names(s.x);
-  for (const std::vector<std::string>& more : {names(s.z), names(s.outputs)}) expected.insert(expected.end(), more.begin(), more.end());
+  for (const std::vector<std::string>& more : {names(s.z), names(s.outputs)})
+    expected.insert(expected.end(), more.begin(), more.end());
   EXPECT_THAT(names(result.options.outputs), ElementsAreArray(expected));
   EXPECT_FALSE(result.options.simulate.asked);
   EXPECT_FALSE(result.options.linearize.asked);
@@ -408,7 +433,8 @@ TEST(Options, DefaultToAllVariablesAndOutputs) {
 
 TEST(Compile, ReportsEarlierFaultsWithItsOwn) {
   std::vector<Diagnostic> of_shape;
-  const Scene broken = read_scene_text(scene(machine, R"(, "titel": "", "hold": ["rod.angel"])"), "test.json", &of_shape);
+  const Scene broken =
+      read_scene_text(scene(machine, R"(, "titel": "", "hold": ["rod.angel"])"), "test.json", &of_shape);
   ASSERT_EQ(of_shape.size(), 1U);
   try {
     compile(broken, testing::registry(), of_shape);
@@ -433,7 +459,8 @@ TEST(Compile, ReportsEarlierFaultsWithItsOwn) {
 TEST(Compile, MeansTheSameInARegistryThatKnowsMore) {
   const auto registry = testing::registry();
   compile(read_scene_text(scene(machine), "test.json"), registry);  // loads everything
-  const std::string text = R"({"bramah": 1, "libraries": ["mechanics"], "components": {"V": {"type": "hydraulics/volume"}}})";
+  const std::string text =
+      R"({"bramah": 1, "libraries": ["mechanics"], "components": {"V": {"type": "hydraulics/volume"}}})";
   EXPECT_THROW(compile(read_scene_text(text, "test.json"), registry), SceneError);
 }
 
