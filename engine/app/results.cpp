@@ -207,7 +207,7 @@ std::string redundancy_text(const std::vector<RedundantSet>& sets) {
 std::string linear_notes(const System& system, const Linearization& linear) {
   std::string out;
   if (!linear.at_equilibrium) {
-    out += "Linearized at the start state, which need not be an equilibrium: the model holds for short times.\n";
+    out += "Linearized at the start state. Away from equilibria and steady motions the model holds for short times only.\n";
   }
   out += redundancy_text(describe_redundancy(system, linear.partition));
   if (!linear.model.kinks.empty()) {
@@ -242,8 +242,22 @@ std::string spectrum_document(const LinearModel& model, const Spectrum& spectrum
     json.member("zero", mode.zero).member("cause", mode.cause);
     json.member("damping_ratio", mode.zero ? NAN : -mode.eigenvalue.real() / magnitude);
     json.member("frequency_hz", mode.zero ? 0.0 : std::abs(mode.eigenvalue.imag()) / (2.0 * std::numbers::pi));
-    json.member("condition", mode.condition).end_object();
+    json.member("condition", mode.condition).member("doubtful", mode.doubtful).end_object();
   }
+  json.end_list();
+  const auto shares = [&](const std::vector<std::pair<std::string, double>>& list) {
+    json.begin_object();
+    for (const auto& [name, share] : list) json.member(name, share);
+    json.end_object();
+  };
+  json.key("zero_blocks").begin_list();
+  for (const ZeroBlock& block : spectrum.zeros) {
+    json.begin_flat_object().member("size", block.size).member("kind", block.kind).member("cause", block.cause).key("moves");
+    shares(block.moves);
+    json.end_object();
+  }
+  json.end_list().key("conserved").begin_list();
+  for (const auto& sum : spectrum.conserved) shares(sum);
   json.end_list();
   json.key("mode_shapes").begin_list();
   for (Eigen::Index k = 0; k < spectrum.right.cols(); ++k) {
@@ -256,6 +270,22 @@ std::string spectrum_document(const LinearModel& model, const Spectrum& spectrum
   }
   json.end_list().end_object();
   return json.take();
+}
+
+std::string spectrum_notes(const Spectrum& spectrum) {
+  std::string out;
+  for (const auto& sum : spectrum.conserved) {
+    out += "Conserved:";
+    for (std::size_t k = 0; k < sum.size(); ++k) {
+      const double share = sum[k].second;
+      out += std::string(share < 0.0 ? " - " : k == 0 ? " " : " + ") + short_number(std::abs(share), 5) + " " + sum[k].first;
+    }
+    out += '\n';
+  }
+  for (const Mode& mode : spectrum.modes) {
+    if (mode.doubtful) out += "Warning: " + complex_text(mode.eigenvalue, 6) + " is " + mode.cause + '\n';
+  }
+  return out;
 }
 
 Table spectrum_table(const LinearModel& model, const Spectrum& spectrum) {

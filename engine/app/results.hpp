@@ -30,11 +30,13 @@ Table multipliers_table(const System& system, const State& state);
 std::string free_directions_text(const std::vector<FreeDirection>& directions);
 
 std::string linear_document(const System& system, const Linearization& linear);
-/// Notes on redundant rows and one-sided derivatives; empty where there are none.
 /// What is redundant, in terms of joints; empty where nothing is.
 std::string redundancy_text(const std::vector<RedundantSet>& sets);
+/// Notes on redundant rows and one-sided derivatives; empty where there are none.
 std::string linear_notes(const System& system, const Linearization& linear);
 
+/// Notes on zeros: conserved sums, and eigenvalues that rounding alone could explain.
+std::string spectrum_notes(const Spectrum& spectrum);
 std::string spectrum_document(const LinearModel& model, const Spectrum& spectrum);
 Table spectrum_table(const LinearModel& model, const Spectrum& spectrum);
 

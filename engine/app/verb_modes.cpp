@@ -11,7 +11,7 @@ int run(const Arguments& arguments) {
   const Linearization linear = linearize(context);
   const Spectrum spectrum = find_spectrum(linear.model);
   std::string out = as_text(spectrum_table(linear.model, spectrum));
-  const std::string notes = linear_notes(context.system(), linear);
+  const std::string notes = spectrum_notes(spectrum) + linear_notes(context.system(), linear);
   if (!notes.empty()) out += '\n' + notes;
   deliver(arguments, "spectrum.json", spectrum_document(linear.model, spectrum), out);
   return exit_ok;
@@ -22,15 +22,16 @@ int run(const Arguments& arguments) {
 constinit const Verb verb_modes = {
     "modes", "SCENE", "eigenvalues of the linear model, with the cause of every zero",
     R"(Linearizes as `bramah linearize` and prints the eigenvalues, most dangerous first, zeros last: damping ratio, frequency,
-condition number (how many times rounding is magnified) and the states that take part. A zero is called zero within its
-own rounding, never by an absolute limit, and its cause is named.
+condition number (how many times rounding is magnified) and the states that take part. Zeros are counted by ranks, never
+by an absolute limit; each names its cause, and the sums that the machine conserves are listed.
 
 Examples
   bramah modes scenes/four_bar/overdamped.json
   bramah modes scenes/four_bar/overdamped.json --set "seal.F_c=21 N" --set "seal.F_s=83 N" --set seal.sigma_2=33
 
 --json prints {"states": [...], "eigenvalues": [{"re", "im", "zero", "cause", "damping_ratio", "frequency_hz",
-"condition"}], "mode_shapes": [{STATE: [re, im]}]}
+"condition", "doubtful"}], "zero_blocks": [{"size", "kind", "cause", "moves"}], "conserved": [{STATE: share}],
+"mode_shapes": [{STATE: [re, im]}]}
 )",
     run};
 

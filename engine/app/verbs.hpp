@@ -16,7 +16,7 @@ struct Verb {
 };
 
 extern const Verb verb_check, verb_list, verb_describe, verb_equilibrium, verb_simulate, verb_linearize, verb_modes,
-    verb_compare, verb_study;
+    verb_respond, verb_compare, verb_study;
 
 /// In the order in which a newcomer needs them.
 std::span<const Verb* const> all_verbs();

@@ -1,8 +1,8 @@
 // Broken scenes: each NAME.json has beside it, in NAME.txt, the message that its user reads.
 //
-// The first word of a name says how far the scene goes: assembly_*, start_*, equilibrium_* and partition_* compile and fail
-// in that analysis; all others fail before. After a change of wording, BRAMAH_UPDATE_GOLDEN=1 writes the messages anew;
-// read them before you commit them. Folders of libraries are written <plugins>, <libraries> and <more_libraries>.
+// The first word of a name says how far the scene goes: assembly_*, start_*, equilibrium_* and partition_* compile and
+// fail in that analysis; all others fail before. After a change of wording, BRAMAH_UPDATE_GOLDEN=1 writes the messages
+// anew; read them before you commit them. Folders of libraries are written <plugins>, <libraries>, <more_libraries>.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ void replace(std::string& text, const std::string& from, const std::string& to) 
   }
 }
 
-/// A fault tells everything: what it is, what was expected, what to do, and where, unless it is about the whole document.
+/// A fault tells everything: what it is, what was expected, what to do; and where, unless it is about the document.
 void expect_complete(const Diagnostic& fault) {
   EXPECT_FALSE(fault.code.empty()) << fault.found;
   EXPECT_FALSE(fault.found.empty()) << fault.code;

@@ -1,5 +1,5 @@
-// Two thousand damaged copies of a real scene: whatever was done to it, reading and compiling it end, and end either well
-// or in a SceneError whose faults are complete. The same damage on every machine.
+// Two thousand damaged copies of a real scene: whatever was done to it, reading and compiling it end, and end either
+// well or in a SceneError whose faults are complete. The same damage on every machine.
 #include <gtest/gtest.h>
 
 #include <algorithm>

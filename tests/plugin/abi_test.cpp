@@ -1,5 +1,5 @@
-// The border is frozen: libraries compiled years ago rely on these numbers. Within an epoch structs only grow at their end;
-// a new member is a new line here and a new minor version, anything else a new epoch.
+// The border is frozen: libraries compiled years ago rely on these numbers. Within an epoch structs only grow at their
+// end; a new member is a new line here and a new minor version, anything else a new epoch.
 #include <gtest/gtest.h>
 
 #include <array>

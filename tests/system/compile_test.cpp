@@ -42,7 +42,8 @@ std::vector<std::string> names(const List& list) {
 // A slider-crank with a hydraulic cylinder: types interleaved, constants of two families, signals, outputs.
 const std::vector<std::string> machine = {
     R"("tank": {"type": "hydraulics/pressure_source", "p": "1 bar"})",
-    R"("rod": {"type": "mechanics/planar_body", "mass": 2, "inertia": 0.5, "position": [1, 0.2], "angle": 0.3, "gravity": "field"})",
+    R"("rod": {"type": "mechanics/planar_body", "mass": 2, "inertia": 0.5, "position": [1, 0.2], "angle": 0.3,
+        "gravity": "field"})",
     R"("V1": {"type": "hydraulics/volume"})",
     R"("ground": {"type": "mechanics/ground"})",
     R"("pin": {"type": "mechanics/planar_revolute", "a": "rod", "point_a": [-1, 0], "b": "ground"})",
@@ -52,12 +53,13 @@ const std::vector<std::string> machine = {
     R"("V2": {"type": "hydraulics/volume"})",
     R"("piston": {"type": "mechanics/planar_stroke", "a": "ground", "b": "bar", "length": 3})",
     R"("hose": {"type": "hydraulics/hose", "volume": "V1", "V_h": 5e-5, "B_h": "550 MPa", "B_oil": "1500 MPa"})",
-    R"("cylinder": {"type": "hydraulics/cylinder", "stroke": "piston.s", "piston_side": "V1", "rod_side": "V2", "D_2": "80 mm",
-        "D_3": "35 mm", "l": 3, "c_1": 0.5, "B_oil": "1500 MPa", "B_c": "31500 MPa"})",
+    R"("cylinder": {"type": "hydraulics/cylinder", "stroke": "piston.s", "piston_side": "V1", "rod_side": "V2",
+        "D_2": "80 mm", "D_3": "35 mm", "l": 3, "c_1": 0.5, "B_oil": "1500 MPa", "B_c": "31500 MPa"})",
     R"("torque": {"type": "signals/table", "unit": "N.m", "times": [0, 1, 1, 2], "values": [0, 5, 7, 0]})",
     R"("motor": {"type": "mechanics/planar_torque", "on": "rod", "magnitude": "torque"})",
     R"("leak": {"type": "hydraulics/throttle", "a": "V2", "b": "tank", "C_d": 0.8, "A_t": 1e-6, "rho_oil": 850})",
-    R"("seal": {"type": "friction/brown_mcphee", "along": "piston.s", "F_c": 210, "F_s": 830, "v_s": 0.0125, "sigma_2": 330})"};
+    R"("seal": {"type": "friction/brown_mcphee", "along": "piston.s", "F_c": 210, "F_s": 830, "v_s": 0.0125,
+        "sigma_2": 330})"};
 
 /// A state away from everything special, the same for variables of the same name.
 State some_state(const System& system) {
