@@ -119,7 +119,7 @@ Comparison compare(const Context& context, const Linearization& linear, const st
     try {
       contender.seconds = median_seconds([&] { contender.eigenvalues = plain_eigenvalues(augmented_by_differences(system, linear.partition, linear.state, h)); }, budget);
       match(result, contender);
-    } catch (const AnalysisError& error) {  // a step so large that a law has no value there, or so small that nothing is left
+    } catch (const AnalysisError& error) {  // a step so large that a law has no value, or so small that nothing is left
       contender.failure = error.found();
       contender.seconds = contender.largest_false_zero = contender.largest_real_part = NAN;
     }

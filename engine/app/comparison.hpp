@@ -18,7 +18,7 @@ struct Contender {
   double h = 0.0;             // step of differences; 0: exact
   std::string failure;        // why there is no spectrum; empty: there is one
   Eigenvalues eigenvalues;
-  std::vector<double> errors;       // relative, of the eigenvalue nearest to each nonzero reduced one, each claimed once
+  std::vector<double> errors;  // relative, of the eigenvalue nearest to each nonzero reduced one, each claimed once
   long false_zeros = 0;             // eigenvalues that nothing claims, less the true zeros
   double largest_false_zero = 0.0;  // magnitude
   double largest_real_part = 0.0;   // of false zeros: above 0 they look unstable

@@ -23,9 +23,10 @@ Context load(const Arguments& arguments) {
   Source source{arguments.subject, ""};
   try {
     source = read_source(arguments.subject);
-    Scene scene = read_scene_text(source.text, source.name);
+    std::vector<Diagnostic> of_shape;
+    Scene scene = read_scene_text(source.text, source.name, &of_shape);
     for (const std::string& setting : arguments.settings) apply_setting(scene, setting);
-    Compiled compiled = compile(scene, std::make_shared<Registry>());
+    Compiled compiled = compile(scene, std::make_shared<Registry>(), std::move(of_shape));
     return {arguments, std::move(scene), std::move(compiled)};
   } catch (const SceneError& error) {
     throw Failure::scene(source, error, arguments.settings);

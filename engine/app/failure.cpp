@@ -22,10 +22,7 @@ bool came_from(const std::string& setting, const std::string& fault_pointer) {
   const std::size_t dot = setting.find('.'), equals = setting.find('=');
   if (dot == std::string::npos || equals == std::string::npos || dot > equals) return false;
   const std::string word = setting.substr(0, dot), key = setting.substr(dot + 1, equals - dot - 1);
-  for (const std::string& parent : {pointer("/components", word), pointer("", word)}) {
-    if (fault_pointer == pointer(parent, key)) return true;
-  }
-  return false;
+  return fault_pointer == pointer(pointer("/components", word), key) || fault_pointer == pointer(pointer("", word), key);
 }
 
 }  // namespace
@@ -63,11 +60,10 @@ Failure Failure::scene(const Source& source, const SceneError& error, const std:
   return failure;
 }
 
-Failure Failure::analysis(const std::string& scene_name, const AnalysisError& error) {
+Failure Failure::analysis(const Source& source, const AnalysisError& error) {
   Failure failure(exit_analysis, "analysis");
-  const Diagnostic d = diagnostic("analysis-failed", error.analysis() + ": " + error.found(), error.expected(), error.remedy());
-  failure.add({scene_name, ""}, d);
-  failure.text_ = render({scene_name, ""}, SceneError(d));
+  failure.add(source, error.diagnostic());
+  failure.text_ = render(source, error);
   return failure;
 }
 

@@ -33,7 +33,8 @@ class Failure : public std::exception {
 
   /// Faults of a scene; those in values that came from --set are reported there.
   static Failure scene(const Source& source, const SceneError& error, const std::vector<std::string>& settings);
-  static Failure analysis(const std::string& scene_name, const AnalysisError& error);
+  /// With the place of the component to look at, where the scene has a text.
+  static Failure analysis(const Source& source, const AnalysisError& error);
   static Failure usage(std::string found, std::string expected, std::string remedy);
   static Failure write(const WriteError& error);
   static Failure unexpected(const std::string& what);

@@ -8,6 +8,7 @@
 #include "app/context.hpp"
 #include "app/failure.hpp"
 #include "app/verbs.hpp"
+#include "io/read_scene.hpp"
 #include "io/tables.hpp"
 
 namespace bramah {
@@ -148,7 +149,12 @@ int guarded_run(int argc, char** argv) {
   } catch (const Failure& failure) {
     return report(failure, json);
   } catch (const AnalysisError& error) {
-    return report(Failure::analysis(scene, error), json);
+    Source source{scene, ""};
+    try {
+      source = read_source(scene);
+    } catch (const SceneError&) {  // gone since it was read: the message then has no place
+    }
+    return report(Failure::analysis(source, error), json);
   } catch (const WriteError& error) {
     return report(Failure::write(error), json);
   } catch (const std::bad_alloc&) {

@@ -13,6 +13,7 @@ std::string side_text(int side) { return side < 0 ? "-" : "+"; }
 template <class List, class Name>
 std::vector<std::string> names(const List& list, Name&& name) {
   std::vector<std::string> result;
+  result.reserve(list.size());
   for (const auto& item : list) result.push_back(name(item));
   return result;
 }

@@ -24,7 +24,7 @@ Assembly assemble(const Context& context) {
     result.partition = choose_partition(context.system(), result.state, context.options().linearize.independent);
   } catch (const AnalysisError& error) {
     result.state = initial_state(context.system(), context.start_time());
-    result.failure = Failure::analysis(context.scene.source.name, error);
+    result.failure = Failure::analysis(context.scene.source, error);
   }
   return result;
 }

@@ -1,7 +1,11 @@
+#include <filesystem>
+
 #include "app/context.hpp"
 #include "app/failure.hpp"
 #include "app/results.hpp"
 #include "app/verbs.hpp"
+#include "io/matrix_files.hpp"
+#include "io/output_file.hpp"
 
 namespace bramah {
 namespace {
@@ -25,6 +29,29 @@ std::string matrix_text(const char* name, const Eigen::MatrixXd& matrix, const s
   return out + as_text(table);
 }
 
+std::vector<std::string> names_of(const std::vector<NamedQuantity>& list) {
+  std::vector<std::string> names;
+  for (const NamedQuantity& q : list) names.push_back(q.name);
+  return names;
+}
+
+DenseView view(const Eigen::MatrixXd& matrix) {
+  return {matrix.data(), static_cast<std::size_t>(matrix.rows()), static_cast<std::size_t>(matrix.cols())};
+}
+
+/// A.csv ... D.csv and one MAT file, for other programs.
+void write_matrices(const Arguments& arguments, const LinearModel& model) {
+  const std::filesystem::path folder(arguments.out);
+  make_folder(folder);
+  const std::vector<std::string> states = names_of(model.states), inputs = names_of(model.inputs), outputs = names_of(model.outputs);
+  write_file(folder / "A.csv", csv_of(view(model.A), states, states));
+  write_file(folder / "B.csv", csv_of(view(model.B), states, inputs));
+  write_file(folder / "C.csv", csv_of(view(model.C), outputs, states));
+  write_file(folder / "D.csv", csv_of(view(model.D), outputs, inputs));
+  write_file(folder / "linear_model.mat", mat_file({{"A", view(model.A), {}}, {"B", view(model.B), {}}, {"C", view(model.C), {}}, {"D", view(model.D), {}},
+                                                    {"states", {}, states}, {"inputs", {}, inputs}, {"outputs", {}, outputs}}));
+}
+
 int run(const Arguments& arguments) {
   const Context context = load(arguments);
   const Linearization linear = linearize(context);
@@ -34,6 +61,7 @@ int run(const Arguments& arguments) {
   out += matrix_text("C", model.C, model.outputs, model.states) + matrix_text("D", model.D, model.outputs, model.inputs);
   const std::string notes = linear_notes(context.system(), linear) + free_directions_text(linear.free_directions);
   if (!notes.empty()) out += '\n' + notes;
+  if (!arguments.out.empty()) write_matrices(arguments, model);
   deliver(arguments, "linear_model.json", linear_document(context.system(), linear), out);
   return exit_ok;
 }
@@ -51,6 +79,7 @@ Examples
   bramah linearize scenes/four_bar/overdamped.json
   bramah linearize scenes/four_bar/overdamped.json --set linearize.side=- --json
 
+--out DIR writes linear_model.json, A.csv, B.csv, C.csv, D.csv and linear_model.mat (MATLAB, Octave, SciPy, Julia).
 --json prints {"sizes": {"n","m","l","r","u","redundant","reduced","augmented"}, "states": [...], "inputs": [...],
 "outputs": [...], "A": [[...]], "B": [[...]], "C": [[...]], "D": [[...]], "units", "partition", "redundant_rows", ...}
 )",

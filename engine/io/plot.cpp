@@ -11,7 +11,7 @@ namespace bramah::plot {
 namespace {
 
 constexpr double kLeft = 62, kRight = 18, kTop = 34, kBottom = 46;  // margins
-constexpr double kLegendRow = 18;                                   // on top, where the legend does not fit beside the title
+constexpr double kLegendRow = 18;  // on top, where the legend does not fit beside the title
 constexpr double kLetter = 6.2, kTitleLetter = 7.4;                 // mean widths
 constexpr double kKey = 34;                                         // a legend's sample with its gaps
 
@@ -70,7 +70,9 @@ class Drawing {
             "\" viewBox=\"0 0 " + px(width_) + " " + px(height_) + "\" overflow=\"hidden\">\n";
     for (const double mark : figure_.marks) {
       const std::string x = px(x_.place(mark) * width_);
-      out_ += "<line class=\"mark\" x1=\"" + x + "\" x2=\"" + x + "\" y1=\"0\" y2=\"" + px(height_) + "\"/>\n";
+      out_ += "<line class=\"mark\" x1=\"" + x;
+      out_ += "\" x2=\"" + x;
+      out_ += "\" y1=\"0\" y2=\"" + px(height_) + "\"/>\n";
     }
     for (const Series& series : figure_.series) draw(series);
     out_ += "</svg>\n";

@@ -36,6 +36,7 @@ std::string as_text(const Table& table, std::string_view indent) {
   if (!table.header.empty()) {
     put(table.header);
     std::vector<std::string> rule;
+    rule.reserve(widths.size());
     for (const std::size_t w : widths) rule.emplace_back(w, '-');
     put(rule);
   }

@@ -40,12 +40,17 @@ constexpr double kink_width = 1e-9;   // of a switching function, in its nominal
 }  // namespace
 
 Linearizer::Linearizer(const System& system, Partition partition, std::vector<Measured> outputs)
-    : system_(system), partition_(std::move(partition)), outputs_(std::move(outputs)), blocks_(system), kkt_(system, partition_.rows) {
+    : system_(system),
+      partition_(std::move(partition)),
+      outputs_(std::move(outputs)),
+      blocks_(system),
+      kkt_(system, partition_.rows) {
   const Index n = system.n(), nz = system.nz(), nu = system.nu(), zu = nz + nu;
   const Index rows = static_cast<Index>(partition_.rows.size()), m = partition_.holonomic;
   const std::span<const Index> all_rows = partition_.rows;
   const std::vector<Index> x = shifted(n, 0), v = shifted(n, n), zu_columns = shifted(zu, 2 * n);
-  const std::vector<Index> c = selected(system.m(), all_rows.first(static_cast<std::size_t>(m))), r = selected(system.m() + system.l(), all_rows);
+  const std::vector<Index> c = selected(system.m(), all_rows.first(static_cast<std::size_t>(m))),
+                           r = selected(system.m() + system.l(), all_rows);
   {
     const Term terms[] = {{BRAMAH_C_X, c, x, false, 0}};
     C_x_ = SparsePlan(system, m, n, terms);
@@ -59,12 +64,13 @@ Linearizer::Linearizer(const System& system, Partition partition, std::vector<Me
     D_rate_ = SparsePlan(system, rows, n, terms);
   }
   {
-    const std::vector<Index> f = shifted(n, 0), s = selected(system.m() + system.l(), all_rows, n), g = shifted(nz, n + rows);
+    const std::vector<Index> f = shifted(n, 0), s = selected(system.m() + system.l(), all_rows, n),
+                             g = shifted(nz, n + rows);
     const Term terms[] = {
-        {BRAMAH_F_X, f, x, false, 0}, {BRAMAH_L_X, f, x, false, 0}, {BRAMAH_F_V, f, v, false, 0},
-        {BRAMAH_F_Z, f, zu_columns, false, 0}, {BRAMAH_F_U, f, zu_columns, false, 0},
-        {BRAMAH_S_X, s, x, false, 0}, {BRAMAH_S_V, s, v, false, 0},
-        {BRAMAH_G_X, g, x, false, 0}, {BRAMAH_G_V, g, v, false, 0}, {BRAMAH_G_Z, g, zu_columns, false, 0}, {BRAMAH_G_U, g, zu_columns, false, 0}};
+        {BRAMAH_F_X, f, x, false, 0},          {BRAMAH_L_X, f, x, false, 0},          {BRAMAH_F_V, f, v, false, 0},
+        {BRAMAH_F_Z, f, zu_columns, false, 0}, {BRAMAH_F_U, f, zu_columns, false, 0}, {BRAMAH_S_X, s, x, false, 0},
+        {BRAMAH_S_V, s, v, false, 0},          {BRAMAH_G_X, g, x, false, 0},          {BRAMAH_G_V, g, v, false, 0},
+        {BRAMAH_G_Z, g, zu_columns, false, 0}, {BRAMAH_G_U, g, zu_columns, false, 0}};
     loads_ = SparsePlan(system, n + rows + nz, 2 * n + zu, terms);
   }
   {
@@ -83,8 +89,12 @@ Linearizer::Linearizer(const System& system, Partition partition, std::vector<Me
   }
   {
     // Component outputs only; variables are picked directly.
-    const std::vector<Index> y = shifted(system.ny(), 0), a = shifted(n, 0), lambda = selected(system.m() + system.l(), all_rows, n);
-    const Term motion[] = {{BRAMAH_Y_X, y, x, false, 0}, {BRAMAH_Y_V, y, v, false, 0}, {BRAMAH_Y_Z, y, zu_columns, false, 0}, {BRAMAH_Y_U, y, zu_columns, false, 0}};
+    const std::vector<Index> y = shifted(system.ny(), 0), a = shifted(n, 0),
+                             lambda = selected(system.m() + system.l(), all_rows, n);
+    const Term motion[] = {{BRAMAH_Y_X, y, x, false, 0},
+                           {BRAMAH_Y_V, y, v, false, 0},
+                           {BRAMAH_Y_Z, y, zu_columns, false, 0},
+                           {BRAMAH_Y_U, y, zu_columns, false, 0}};
     y_motion_ = SparsePlan(system, system.ny(), 2 * n + zu, motion);
     const Term response[] = {{BRAMAH_Y_A, y, a, false, 0}, {BRAMAH_Y_LAMBDA, y, lambda, false, 0}};
     y_response_ = SparsePlan(system, system.ny(), n + rows + nz, response);
@@ -108,12 +118,14 @@ Linearizer::Linearizer(const System& system, Partition partition, std::vector<Me
 }
 
 void Linearizer::evaluate(const State& state) {
-  Request request = Request{}.rows("fgcrs").blocks({BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_G_X, BRAMAH_G_V,
-                                                    BRAMAH_G_Z, BRAMAH_G_ZDOT, BRAMAH_G_U, BRAMAH_C_X, BRAMAH_R_X, BRAMAH_R_V,
-                                                    BRAMAH_S_X, BRAMAH_S_V, BRAMAH_L_X});
+  Request request = Request{}.rows("fgcrs").blocks(
+      {BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_G_X, BRAMAH_G_V, BRAMAH_G_Z, BRAMAH_G_ZDOT,
+       BRAMAH_G_U, BRAMAH_C_X, BRAMAH_R_X, BRAMAH_R_V, BRAMAH_S_X, BRAMAH_S_V, BRAMAH_L_X});
   if (!outputs_.empty()) request.blocks({BRAMAH_Y_X, BRAMAH_Y_V, BRAMAH_Y_A, BRAMAH_Y_Z, BRAMAH_Y_U, BRAMAH_Y_LAMBDA});
   const Outcome outcome = blocks_.evaluate(system_, state, request);
-  if (!outcome.ok()) throw AnalysisError("linearize", outcome.message, "a state at which every component can be evaluated", "linearize elsewhere");
+  if (!outcome.ok())
+    throw AnalysisError("linearize", outcome.message, "a state at which every component can be evaluated",
+                        "linearize elsewhere");
   fill(loads_, blocks_);
   check_consistent();
   kkt_.factor(blocks_);
@@ -136,8 +148,9 @@ void Linearizer::check_consistent() const {
   Vector scale(static_cast<std::size_t>(loads_.rows()), 0.0);
   for (Index j = 0; j < loads_.columns(); ++j) {
     const auto column = static_cast<std::size_t>(j);
-    const double nominal = column < 2 * n ? system_.x[column % n].nominal
-                           : column < 2 * n + system_.z.size() ? system_.z[column - 2 * n].nominal : 1.0;
+    const double nominal = column < 2 * n                      ? system_.x[column % n].nominal
+                           : column < 2 * n + system_.z.size() ? system_.z[column - 2 * n].nominal
+                                                               : 1.0;
     for (Index e = loads_.start()[column]; e < loads_.start()[column + 1]; ++e) {
       const auto entry = static_cast<std::size_t>(e);
       double& row = scale[static_cast<std::size_t>(loads_.row()[entry])];
@@ -146,16 +159,24 @@ void Linearizer::check_consistent() const {
   }
   constexpr double nothing = 1e-300;
   const std::size_t rows = partition_.rows.size();
-  for (std::size_t i = 0; i < n; ++i) look(blocks_.f[i], std::max({scale[i], 1.0}), "Eq. (16), the force balance of " + system_.x[i].name, "complete the accelerations and multipliers first, or find the equilibrium");
-  for (std::size_t i = 0; i < system_.z.size(); ++i) look(blocks_.g[i], scale[n + rows + i] + nothing, "Eq. (19), the storage balance of " + system_.z[i].name, "complete the rates of first-order variables first");
-  for (std::size_t i = 0; i < system_.holonomic.size(); ++i) look(blocks_.c[i], 1.0, "Eq. (17), the constraint " + system_.holonomic[i].name, "assemble the positions first");
+  for (std::size_t i = 0; i < n; ++i)
+    look(blocks_.f[i], std::max({scale[i], 1.0}), "Eq. (16), the force balance of " + system_.x[i].name,
+         "complete the accelerations and multipliers first, or find the equilibrium");
+  for (std::size_t i = 0; i < system_.z.size(); ++i)
+    look(blocks_.g[i], scale[n + rows + i] + nothing, "Eq. (19), the storage balance of " + system_.z[i].name,
+         "complete the rates of first-order variables first");
+  for (std::size_t i = 0; i < system_.holonomic.size(); ++i)
+    look(blocks_.c[i], 1.0, "Eq. (17), the constraint " + system_.holonomic[i].name, "assemble the positions first");
   for (std::size_t i = 0; i < rows; ++i) {
     const Index row = partition_.rows[i];
-    look(blocks_.r[static_cast<std::size_t>(row)], 1.0, "Eq. (18), the rate of constraint " + system_.constraint(row).name, "assemble the velocities first");
-    look(blocks_.s[static_cast<std::size_t>(row)], std::max(1.0, scale[n + i]), "the acceleration of constraint " + system_.constraint(row).name, "complete the accelerations first");
+    look(blocks_.r[static_cast<std::size_t>(row)], 1.0,
+         "Eq. (18), the rate of constraint " + system_.constraint(row).name, "assemble the velocities first");
+    look(blocks_.s[static_cast<std::size_t>(row)], std::max(1.0, scale[n + i]),
+         "the acceleration of constraint " + system_.constraint(row).name, "complete the accelerations first");
   }
   if (name.empty()) return;
-  throw AnalysisError("linearize", name + " is violated by " + digits(found), "a state that satisfies Eqs. (16)-(20) to " + digits(consistency) + " of their terms", remedy);
+  throw AnalysisError("linearize", name + " is violated by " + digits(found),
+                      "a state that satisfies Eqs. (16)-(20) to " + digits(consistency) + " of their terms", remedy);
 }
 
 /// What follows from `motion_`: accelerations, multipliers and rates, by Eqs. (23), (26), (28), (37) solved together.
@@ -181,7 +202,7 @@ void Linearizer::linearize(const State& state, LinearModel& model) {
   const auto ai = [&](Index i) { return partition_.ai[static_cast<std::size_t>(i)]; };
   const auto ad = [&](Index i) { return partition_.ad[static_cast<std::size_t>(i)]; };
   const auto d = [&](Index i) { return partition_.d[static_cast<std::size_t>(i)]; };
-  const Index m = static_cast<Index>(partition_.d.size());
+  const auto m = static_cast<Index>(partition_.d.size());
   motion_.setZero(2 * n + nz + nu, columns);
   auto x = motion_.topRows(n), v = motion_.middleRows(n, n);
 
@@ -206,7 +227,7 @@ void Linearizer::linearize(const State& state, LinearModel& model) {
 
   // Steps 1, 3 and 7, Eqs. (32), (37), (53)-(61).
   respond();
-  const Index rows = static_cast<Index>(partition_.rows.size());
+  const auto rows = static_cast<Index>(partition_.rows.size());
   model.A.resize(states, states);
   model.B.resize(states, nu);
   const auto take = [&](Index row, const auto& from) {
@@ -245,7 +266,8 @@ void Linearizer::measure(LinearModel& model, Eigen::Index states) const {
   const Index n = system_.n(), nz = system_.nz(), nu = system_.nu(), rows = static_cast<Index>(partition_.rows.size());
   MatrixXd all(static_cast<Index>(outputs_.size()), motion_.cols());
   MatrixXd of_components;
-  const bool any = std::any_of(outputs_.begin(), outputs_.end(), [](const Measured& y) { return y.kind == Measured::Kind::y; });
+  const bool any =
+      std::any_of(outputs_.begin(), outputs_.end(), [](const Measured& y) { return y.kind == Measured::Kind::y; });
   if (any) {
     SparsePlan by_motion = y_motion_, by_response = y_response_;
     fill(by_motion, blocks_);
@@ -267,8 +289,9 @@ void Linearizer::measure(LinearModel& model, Eigen::Index states) const {
       case Measured::Kind::lambda: {
         const auto at = std::find(partition_.rows.begin(), partition_.rows.end(), y.index);
         if (at == partition_.rows.end()) {
-          throw AnalysisError("linearize", "the multiplier " + y.name + " belongs to a redundant row and is not determined",
-                              "outputs that the model determines", "take it out of the scene's outputs, or remove the redundant joint");
+          throw AnalysisError(
+              "linearize", "the multiplier " + y.name + " belongs to a redundant row and is not determined",
+              "outputs that the model determines", "take it out of the scene's outputs, or remove the redundant joint");
         }
         row = response_.row(n + (at - partition_.rows.begin()));
         break;
@@ -289,9 +312,11 @@ std::vector<KinkTaken> Linearizer::kinks_at(const State& state) const {
     if (switches == nullptr) continue;
     Vector values(static_cast<std::size_t>(switches->count)), x, v, z, u;
     for (Index i = 0; i < group.count; ++i) {
-      const auto gather = [&](const Vector& from, const std::vector<std::int32_t>& map, std::int32_t slots, Vector& to) {
+      const auto gather = [&](const Vector& from, const std::vector<std::int32_t>& map, std::int32_t slots,
+                              Vector& to) {
         to.clear();
-        for (std::int32_t j = 0; j < slots; ++j) to.push_back(from[static_cast<std::size_t>(map[static_cast<std::size_t>(i * slots + j)])]);
+        for (std::int32_t j = 0; j < slots; ++j)
+          to.push_back(from[static_cast<std::size_t>(map[static_cast<std::size_t>(i * slots + j)])]);
       };
       gather(state.x, group.x, type.nx, x);
       gather(state.v, group.x, type.nx, v);
@@ -310,7 +335,8 @@ std::vector<KinkTaken> Linearizer::kinks_at(const State& state) const {
       if (switches->values(type.self, &batch, values.data()) != 0) continue;
       for (std::size_t k = 0; k < values.size(); ++k) {
         if (std::abs(values[k]) > kink_width * switches->nominal[k]) continue;
-        kinks.push_back({system_.component_name(group.component[static_cast<std::size_t>(i)]), switches->info[k].name, state.side});
+        kinks.push_back(
+            {system_.component_name(group.component[static_cast<std::size_t>(i)]), switches->info[k].name, state.side});
       }
     }
   }
@@ -337,7 +363,8 @@ MatrixXd augmented_by_differences(const System& system, const Partition& partiti
   // Eq. (97): F = A^-1 f with the dense matrix A of Eq. (96).
   const auto F = [&]() -> Eigen::VectorXd {
     const Outcome outcome = blocks.evaluate(system, state, request);
-    if (!outcome.ok()) throw AnalysisError("compare", outcome.message, "finite rows around the state", "use smaller differences");
+    if (!outcome.ok())
+      throw AnalysisError("compare", outcome.message, "finite rows around the state", "use smaller differences");
     fill(mass, blocks);
     const MatrixXd kkt_dense = matrix(mass);
     MatrixXd A = MatrixXd::Zero(n + kkt_dense.rows(), n + kkt_dense.rows());
@@ -346,7 +373,8 @@ MatrixXd augmented_by_differences(const System& system, const Partition& partiti
     Eigen::VectorXd f(A.rows());
     for (Index i = 0; i < n; ++i) f(i) = state.v[static_cast<std::size_t>(i)];
     for (Index i = 0; i < n; ++i) f(n + i) = -blocks.f[static_cast<std::size_t>(i)];
-    for (Index i = 0; i < rows; ++i) f(2 * n + i) = -blocks.s[static_cast<std::size_t>(partition.rows[static_cast<std::size_t>(i)])];
+    for (Index i = 0; i < rows; ++i)
+      f(2 * n + i) = -blocks.s[static_cast<std::size_t>(partition.rows[static_cast<std::size_t>(i)])];
     for (Index i = 0; i < nz; ++i) f(2 * n + rows + i) = -blocks.g[static_cast<std::size_t>(i)];
     const Eigen::VectorXd all = A.inverse() * f;
     Eigen::VectorXd result(states);
@@ -358,7 +386,9 @@ MatrixXd augmented_by_differences(const System& system, const Partition& partiti
   for (Index j = 0; j < states; ++j) {
     const auto column = static_cast<std::size_t>(j);
     const auto size = static_cast<std::size_t>(n);
-    double& variable = column < size ? state.x[column] : column < 2 * size ? state.v[column - size] : state.z[column - 2 * size];
+    double& variable = column < size       ? state.x[column]
+                       : column < 2 * size ? state.v[column - size]
+                                           : state.z[column - 2 * size];
     const double value = variable;
     variable = value + h;
     const Eigen::VectorXd forward = F();

@@ -19,7 +19,7 @@ namespace bramah {
 struct NamedQuantity {
   std::string name, unit;
   double nominal = 1.0;
-  std::string kind = {};  // of states: "x_ai", "v_ai", "x_ad", or the kind of first-order variable ("pressure", "spool")
+  std::string kind = {};  // of states: "x_ai", "v_ai", "x_ad", or a first-order variable's ("pressure", "spool")
 };
 
 /// A switching function at zero: the derivatives there are one-sided.
@@ -62,10 +62,10 @@ class Linearizer {
   Blocks blocks_;
   Kkt kkt_;
   // Operators, assembled from blocks; columns (x, v, z, u) stacked.
-  SparsePlan C_x_;        // independent holonomic rows, (m x n)                          Eq. (41)
-  SparsePlan D_;          // independent rows, (m+l x n)                                  Eq. (14)
-  SparsePlan D_rate_;     // d(D v0)/dx, (m+l x n)                                        Eqs. (24), (46), (49)
-  SparsePlan loads_;      // (f; s; g) by (x, v, z, u)                                    Eqs. (23), (26), (28), (37)
+  SparsePlan C_x_;     // independent holonomic rows, (m x n)                          Eq. (41)
+  SparsePlan D_;       // independent rows, (m+l x n)                                  Eq. (14)
+  SparsePlan D_rate_;  // d(D v0)/dx, (m+l x n)                                        Eqs. (24), (46), (49)
+  SparsePlan loads_;   // (f; s; g) by (x, v, z, u)                                    Eqs. (23), (26), (28), (37)
   SparsePlan C_xd_, D_dd_;
   sparse::Klu lu_C_xd_, lu_D_dd_;
   SparsePlan y_motion_, y_response_;  // outputs by (x, v, z, u) and by (a, lambda, zdot)
@@ -76,6 +76,7 @@ class Linearizer {
 
 /// Eqs. (96)-(100): the augmented Jacobian by central differences with absolute step h in every variable (SI), F = A^-1 f
 /// formed with a dense inverse as in the paper.
-Eigen::MatrixXd augmented_by_differences(const System& system, const Partition& partition, const State& state, double h);
+Eigen::MatrixXd augmented_by_differences(const System& system, const Partition& partition, const State& reference,
+                                         double h);
 
 }  // namespace bramah

@@ -16,9 +16,12 @@ VectorXd nominals(const LinearModel& model) {
 
 }  // namespace
 
-VectorXd reduced_deviation(const System& system, const Partition& partition, const State& state, const State& reference) {
+VectorXd reduced_deviation(const System& system, const Partition& partition, const State& state,
+                           const State& reference) {
   std::vector<double> X;
-  const auto push = [&](const Vector& a, const Vector& b, Index i) { X.push_back(a[static_cast<std::size_t>(i)] - b[static_cast<std::size_t>(i)]); };
+  const auto push = [&](const Vector& a, const Vector& b, Index i) {
+    X.push_back(a[static_cast<std::size_t>(i)] - b[static_cast<std::size_t>(i)]);
+  };
   for (const Index i : partition.ai) push(state.x, reference.x, i);
   for (const Index i : partition.ai) push(state.v, reference.v, i);
   for (const Index i : partition.ad) push(state.x, reference.x, i);
@@ -29,11 +32,13 @@ VectorXd reduced_deviation(const System& system, const Partition& partition, con
 MatrixXd free_response(const LinearModel& model, const VectorXd& X0, double t0, std::span<const double> times) {
   std::vector<double> all = {t0};
   all.insert(all.end(), times.begin(), times.end());
-  const MatrixXd u = MatrixXd::Zero(static_cast<Eigen::Index>(model.inputs.size()), static_cast<Eigen::Index>(all.size()));
+  const MatrixXd u =
+      MatrixXd::Zero(static_cast<Eigen::Index>(model.inputs.size()), static_cast<Eigen::Index>(all.size()));
   return forced_response(model, X0, all, u).rightCols(static_cast<Eigen::Index>(times.size()));
 }
 
-MatrixXd forced_response(const LinearModel& model, const VectorXd& X0, std::span<const double> times, const MatrixXd& u) {
+MatrixXd forced_response(const LinearModel& model, const VectorXd& X0, std::span<const double> times,
+                         const MatrixXd& u) {
   // One step of length h is exact with the exponential of [A B 0; 0 0 I/h; 0 0 0] h acting on (X, u, change of u).
   const Eigen::Index n = model.A.rows(), nu = model.B.cols();
   const VectorXd nominal = nominals(model);
@@ -56,7 +61,8 @@ MatrixXd forced_response(const LinearModel& model, const VectorXd& X0, std::span
         E = M.exp();
         h_of_E = h;
       }
-      X = E.topLeftCorner(n, n) * X + E.block(0, n, n, nu) * u.col(column - 1) + E.block(0, n + nu, n, nu) * (u.col(column) - u.col(column - 1));
+      X = E.topLeftCorner(n, n) * X + E.block(0, n, n, nu) * u.col(column - 1) +
+          E.block(0, n + nu, n, nu) * (u.col(column) - u.col(column - 1));
     }
     result.col(column) = nominal.asDiagonal() * X;
   }

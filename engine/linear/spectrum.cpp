@@ -9,10 +9,11 @@
 #include "system/analysis_error.hpp"
 
 // LAPACK has no C header of its own; this is its published calling sequence.
-extern "C" void dgeevx_(const char* balanc, const char* jobvl, const char* jobvr, const char* sense, const int* n, double* a,
-                        const int* lda, double* wr, double* wi, double* vl, const int* ldvl, double* vr, const int* ldvr,
-                        int* ilo, int* ihi, double* scale, double* abnrm, double* rconde, double* rcondv, double* work,
-                        const int* lwork, int* iwork, int* info);
+// NOLINTNEXTLINE(readability-identifier-naming)
+extern "C" void dgeevx_(const char* balanc, const char* jobvl, const char* jobvr, const char* sense, const int* n,
+                        double* a, const int* lda, double* wr, double* wi, double* vl, const int* ldvl, double* vr,
+                        const int* ldvr, int* ilo, int* ihi, double* scale, double* abnrm, double* rconde,
+                        double* rcondv, double* work, const int* lwork, int* iwork, int* info);
 
 namespace bramah {
 namespace {
@@ -60,7 +61,9 @@ Eigensystem eigensystem(MatrixXd A, bool vectors) {
   Eigensystem result;
   const auto n = static_cast<int>(A.rows());
   if (n == 0) return result;
-  if (!A.allFinite()) throw AnalysisError("modes", "a Jacobian with entries that are not finite", "a finite Jacobian", "linearize at another state");
+  if (!A.allFinite())
+    throw AnalysisError("modes", "a Jacobian with entries that are not finite", "a finite Jacobian",
+                        "linearize at another state");
   const auto size = static_cast<std::size_t>(n);
   std::vector<double> wr(size), wi(size), scale(size), rconde(size), rcondv(size);
   MatrixXd vl(vectors ? n : 1, vectors ? n : 1), vr(vectors ? n : 1, vectors ? n : 1);
@@ -70,14 +73,16 @@ Eigensystem eigensystem(MatrixXd A, bool vectors) {
   int ilo = 0, ihi = 0, info = 0, lwork = -1;
   double optimal = 0.0;
   const auto call = [&](double* work) {
-    dgeevx_("B", job, job, "N", &n, A.data(), &n, wr.data(), wi.data(), vl.data(), &ld, vr.data(), &ld, &ilo, &ihi, scale.data(),
-            &result.norm, rconde.data(), rcondv.data(), work, &lwork, iwork.data(), &info);
+    dgeevx_("B", job, job, "N", &n, A.data(), &n, wr.data(), wi.data(), vl.data(), &ld, vr.data(), &ld, &ilo, &ihi,
+            scale.data(), &result.norm, rconde.data(), rcondv.data(), work, &lwork, iwork.data(), &info);
   };
   call(&optimal);
   lwork = static_cast<int>(optimal);
   std::vector<double> work(static_cast<std::size_t>(lwork));
   call(work.data());
-  if (info != 0) throw AnalysisError("modes", "the QR iteration did not converge", "eigenvalues of the Jacobian", "check the model's scales");
+  if (info != 0)
+    throw AnalysisError("modes", "the QR iteration did not converge", "eigenvalues of the Jacobian",
+                        "check the model's scales");
   for (std::size_t k = 0; k < size; ++k) result.values.emplace_back(wr[k], wi[k]);
   if (!vectors) return result;
   const auto complex = [&](const MatrixXd& packed) {
@@ -117,7 +122,7 @@ MatrixXd readable(const MatrixXd& B) {
 MatrixXd null_space(const MatrixXd& M) {
   if (M.cols() == 0) return M;
   const Eigen::JacobiSVD<MatrixXd> svd(M, Eigen::ComputeFullV);
-  const VectorXd s = svd.singularValues();
+  const VectorXd& s = svd.singularValues();
   const double limit = 1e-9 * std::max(1.0, s.size() > 0 ? s(0) : 0.0);
   Index rank = 0;
   while (rank < s.size() && s(rank) > limit) ++rank;
@@ -128,7 +133,8 @@ MatrixXd null_space(const MatrixXd& M) {
 MatrixXd extend(const MatrixXd& taken, const MatrixXd& candidates, Index count) {
   MatrixXd rest = candidates;
   if (taken.cols() > 0) {
-    const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(taken).householderQ() * MatrixXd::Identity(taken.rows(), taken.cols());
+    const MatrixXd Q =
+        Eigen::HouseholderQR<MatrixXd>(taken).householderQ() * MatrixXd::Identity(taken.rows(), taken.cols());
     rest -= Q * (Q.transpose() * rest);
   }
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(rest);
@@ -137,11 +143,13 @@ MatrixXd extend(const MatrixXd& taken, const MatrixXd& candidates, Index count) 
   return chosen;
 }
 
-std::vector<std::pair<std::string, double>> named(const LinearModel& model, const VectorXd& vector, const VectorXd& scale) {
+std::vector<std::pair<std::string, double>> named(const LinearModel& model, const VectorXd& vector,
+                                                  const VectorXd& scale) {
   std::vector<std::pair<std::string, double>> list;
   const double largest = vector.cwiseAbs().maxCoeff();
   for (Index i = 0; i < vector.size(); ++i) {
-    if (std::abs(vector(i)) > negligible * largest) list.emplace_back(model.states[static_cast<std::size_t>(i)].name, vector(i) * scale(i));
+    if (std::abs(vector(i)) > negligible * largest)
+      list.emplace_back(model.states[static_cast<std::size_t>(i)].name, vector(i) * scale(i));
   }
   return list;
 }
@@ -178,12 +186,15 @@ ZeroBlock classify(const LinearModel& model, const VectorXd& v, int size, const 
     block.kind = "trapped oil volume";
     std::vector<std::pair<std::string, double>> others;
     for (const auto& entry : block.moves) {
-      if (std::none_of(volumes.begin(), volumes.end(), [&](const auto& volume) { return volume.first == entry.first; })) others.push_back(entry);
+      if (std::none_of(volumes.begin(), volumes.end(), [&](const auto& volume) { return volume.first == entry.first; }))
+        others.push_back(entry);
     }
-    block.cause = "trapped oil: " + joined(volumes) + (volumes.size() == 1 ? " shifts" : " shift together") + (others.empty() ? "" : " with " + joined(others));
+    block.cause = "trapped oil: " + joined(volumes) + (volumes.size() == 1 ? " shifts" : " shift together") +
+                  (others.empty() ? "" : " with " + joined(others));
   } else if (positions && size >= 2) {
     block.kind = dependent ? "nonholonomic drift" : "rigid-body or cyclic coordinate";
-    block.cause = (dependent ? "drift along nonholonomic rows: " : "nothing holds ") + names + " (Jordan block of size " + std::to_string(size) + ")";
+    block.cause = (dependent ? "drift along nonholonomic rows: " : "nothing holds ") + names +
+                  " (Jordan block of size " + std::to_string(size) + ")";
   } else if (positions) {
     block.kind = dependent ? "nonholonomic drift" : "cyclic coordinate";
     block.cause = (dependent ? "drift along nonholonomic rows: " : "nothing restores ") + names;
@@ -202,7 +213,8 @@ Index Spectrum::zero_count() const {
 
 MatrixXd participation(const Spectrum& spectrum) {
   MatrixXd shares = spectrum.left.conjugate().cwiseProduct(spectrum.right.leftCols(spectrum.left.cols())).cwiseAbs();
-  for (Index k = 0; k < shares.cols(); ++k) shares.col(k) /= std::max(shares.col(k).sum(), std::numeric_limits<double>::min());
+  for (Index k = 0; k < shares.cols(); ++k)
+    shares.col(k) /= std::max(shares.col(k).sum(), std::numeric_limits<double>::min());
   return shares;
 }
 
@@ -218,7 +230,9 @@ Spectrum find_spectrum(const LinearModel& model) {
   const MatrixXd A = nominal.cwiseInverse().asDiagonal() * model.A * nominal.asDiagonal();
   const Index n = A.rows();
   Spectrum spectrum;
-  if (!A.allFinite()) throw AnalysisError("modes", "a Jacobian with entries that are not finite", "a finite Jacobian", "linearize at another state");
+  if (!A.allFinite())
+    throw AnalysisError("modes", "a Jacobian with entries that are not finite", "a finite Jacobian",
+                        "linearize at another state");
   const Staircase stairs = find_staircase(A);
   const Index z = stairs.zeros(), rest = n - z;
   spectrum.smallest_accepted = stairs.accepted;
@@ -244,13 +258,16 @@ Spectrum find_spectrum(const LinearModel& model) {
     v.tail(rest) = inner.right.col(column);
     w.tail(rest) = inner.left.col(column);
     if (z > 0) {
-      const MatrixXcd shifted = mode.eigenvalue * MatrixXcd::Identity(z, z) - stairs.triangular.topLeftCorner(z, z).cast<Complex>();
-      v.head(z) = shifted.triangularView<Eigen::Upper>().solve(stairs.triangular.topRightCorner(z, rest).cast<Complex>() * v.tail(rest));
+      const MatrixXcd shifted =
+          mode.eigenvalue * MatrixXcd::Identity(z, z) - stairs.triangular.topLeftCorner(z, z).cast<Complex>();
+      v.head(z) = shifted.triangularView<Eigen::Upper>().solve(
+          stairs.triangular.topRightCorner(z, rest).cast<Complex>() * v.tail(rest));
     }
     v = stairs.Q.cast<Complex>() * v;
     w = stairs.Q.cast<Complex>() * w;
     const Complex product = w.dot(v);  // w^H v
-    mode.condition = std::abs(product) > 0.0 ? w.norm() * v.norm() / std::abs(product) : std::numeric_limits<double>::infinity();
+    mode.condition =
+        std::abs(product) > 0.0 ? w.norm() * v.norm() / std::abs(product) : std::numeric_limits<double>::infinity();
     const double rounding = std::numeric_limits<double>::epsilon() * spectrum.norm * mode.condition;
     if (rounding > refine_above * std::abs(mode.eigenvalue)) mode.eigenvalue = rayleigh_quotient(A, w, v);
     const double bound = doubt * rounding;

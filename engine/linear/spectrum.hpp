@@ -17,25 +17,26 @@ struct Mode {
   std::complex<double> eigenvalue;  // exactly 0 for a zero
   double condition = 1.0;           // of the eigenvalue: |w| |v| / |w^H v|, states in nominals
   bool zero = false;
-  bool doubtful = false;            // a nonzero value that rounding alone could explain: |lambda| <= c eps |A| condition
-  std::string cause;                // of a zero or a doubtful value
+  bool doubtful = false;  // a nonzero value that rounding alone could explain: |lambda| <= c eps |A| condition
+  std::string cause;      // of a zero or a doubtful value
 };
 
 /// A Jordan block of the eigenvalue 0.
 struct ZeroBlock {
   int size = 1;
-  std::string kind;       // "rigid-body or cyclic coordinate", "trapped oil volume", "nonholonomic drift", ...
-  std::string cause;      // kind and names
+  std::string kind;   // "rigid-body or cyclic coordinate", "trapped oil volume", "nonholonomic drift", ...
+  std::string cause;  // kind and names
   std::vector<std::pair<std::string, double>> moves;  // its eigenvector: which states drift together (SI)
 };
 
 struct Spectrum {
-  std::vector<Mode> modes;          // nonzero ones by decreasing real, then imaginary part; zeros last
-  Eigen::MatrixXcd right, left;     // (states x modes); right: largest component in nominals is 1; left^H right = 1. Zero
-                                    // modes: a basis of the invariant subspace, no left vectors
+  std::vector<Mode> modes;       // nonzero ones by decreasing real, then imaginary part; zeros last
+  Eigen::MatrixXcd right, left;  // (states x modes); right: largest component in nominals is 1; left^H right = 1. Zero
+                                 // modes: a basis of the invariant subspace, no left vectors
   std::vector<ZeroBlock> zeros;
-  std::vector<std::vector<std::pair<std::string, double>>> conserved;  // left null vectors: sums that keep their value (SI)
-  double norm = 0.0;                // of the matrix, states in nominals
+  /// Left null vectors: sums that keep their value (SI).
+  std::vector<std::vector<std::pair<std::string, double>>> conserved;
+  double norm = 0.0;                                      // of the matrix, states in nominals
   double smallest_accepted = 1.0, largest_refused = 0.0;  // pivots that decided the ranks, relative to their rows
   [[nodiscard]] Eigen::Index zero_count() const;
 };

@@ -6,9 +6,10 @@
 #include "linear/respond.hpp"
 #include "system/analysis_error.hpp"
 
-extern "C" void dggev_(const char* jobvl, const char* jobvr, const int* n, double* a, const int* lda, double* b, const int* ldb,
-                       double* alphar, double* alphai, double* beta, double* vl, const int* ldvl, double* vr, const int* ldvr,
-                       double* work, const int* lwork, int* info);
+// NOLINTNEXTLINE(readability-identifier-naming)
+extern "C" void dggev_(const char* jobvl, const char* jobvr, const int* n, double* a, const int* lda, double* b,
+                       const int* ldb, double* alphar, double* alphai, double* beta, double* vl, const int* ldvl,
+                       double* vr, const int* ldvr, double* work, const int* lwork, int* info);
 
 namespace bramah {
 namespace {
@@ -43,7 +44,7 @@ std::vector<MatrixXcd> frequency_response(const LinearModel& model, std::span<co
   std::vector<MatrixXcd> result;
   for (const double w : frequencies) {
     const MatrixXcd shifted = Complex(0.0, w) * MatrixXcd::Identity(n, n) - H.cast<Complex>();
-    result.push_back(C * shifted.partialPivLu().solve(B) + model.D.cast<Complex>());
+    result.emplace_back(C * shifted.partialPivLu().solve(B) + model.D.cast<Complex>());
   }
   return result;
 }
@@ -73,13 +74,17 @@ std::vector<Complex> transfer_zeros(const LinearModel& model, Index input, Index
   double unused = 0.0;
   int info = 0;
   const double norm = P.norm();
-  dggev_("N", "N", &n, P.data(), &n, E.data(), &n, alphar.data(), alphai.data(), beta.data(), &unused, &one, &unused, &one, work.data(), &lwork, &info);
-  if (info != 0) throw AnalysisError("zeros", "the QZ iteration did not converge", "zeros of the transfer function", "check the model's scales");
+  dggev_("N", "N", &n, P.data(), &n, E.data(), &n, alphar.data(), alphai.data(), beta.data(), &unused, &one, &unused,
+         &one, work.data(), &lwork, &info);
+  if (info != 0)
+    throw AnalysisError("zeros", "the QZ iteration did not converge", "zeros of the transfer function",
+                        "check the model's scales");
   std::vector<Complex> zeros;
   for (std::size_t k = 0; k < size; ++k) {
     const Complex alpha(alphar[k], alphai[k]);
     // Infinite zeros come out as alpha / 0, and defective ones as huge numbers: beyond what the pencil can resolve.
-    if (std::abs(beta[k]) * norm <= 1e3 * std::numeric_limits<double>::epsilon() * std::abs(alpha) || beta[k] == 0.0) continue;
+    if (std::abs(beta[k]) * norm <= 1e3 * std::numeric_limits<double>::epsilon() * std::abs(alpha) || beta[k] == 0.0)
+      continue;
     zeros.push_back(alpha / beta[k]);
   }
   return zeros;
@@ -115,7 +120,8 @@ MatrixXd step_response(const LinearModel& model, Index input, std::span<const do
 
 MatrixXd impulse_response(const LinearModel& model, Index input, std::span<const double> times) {
   // An impulse leaves the state B e_j behind; a direct path D would pass the impulse itself, which is not a number.
-  return model.C * forced_response(model, model.B.col(input), times, MatrixXd::Zero(model.B.cols(), static_cast<Index>(times.size())));
+  return model.C * forced_response(model, model.B.col(input), times,
+                                   MatrixXd::Zero(model.B.cols(), static_cast<Index>(times.size())));
 }
 
 }  // namespace bramah

@@ -209,9 +209,9 @@ PluginError::PluginError(std::string code, std::string found, std::string expect
       expected_(std::move(expected)),
       remedy_(std::move(remedy)) {}
 
-Registry::Registry(std::vector<fs::path> search_path) {
+Registry::Registry(const std::vector<fs::path>& search_path) {
   // One folder named twice (by the environment and beside the program) is one folder.
-  for (fs::path& folder : search_path) {
+  for (const fs::path& folder : search_path) {
     std::error_code ignored;
     fs::path resolved = fs::weakly_canonical(folder, ignored);
     if (resolved.empty()) resolved = folder;

@@ -41,7 +41,7 @@ struct LoadedLibrary {
 class Registry {
  public:
   /// Folders in which `load` looks, in order.
-  explicit Registry(std::vector<std::filesystem::path> search_path = default_search_path());
+  explicit Registry(const std::vector<std::filesystem::path>& search_path = default_search_path());
 
   /// BRAMAH_PLUGIN_PATH (folders separated by colons), then the folder lib/bramah/plugins beside the running program.
   static std::vector<std::filesystem::path> default_search_path();

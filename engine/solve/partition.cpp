@@ -182,7 +182,8 @@ std::vector<RedundantSet> describe_redundancy(const System& system, const Partit
 void take_minimum_norm(const Partition& partition, Vector& lambda) {
   const auto count = static_cast<Eigen::Index>(partition.redundant.size());
   if (count == 0) return;
-  // Null vectors of D^T: N_k = e(redundant k) - sum c e(others). Least norm removes their span: lambda - N (N^T N)^-1 N^T lambda.
+  // Null vectors of D^T: N_k = e(redundant k) - sum c e(others). Least norm removes their span:
+  // lambda - N (N^T N)^-1 N^T lambda.
   Eigen::MatrixXd N = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(lambda.size()), count);
   for (Eigen::Index k = 0; k < count; ++k) {
     const RedundantRow& redundant = partition.redundant[static_cast<std::size_t>(k)];

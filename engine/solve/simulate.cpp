@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <utility>
 
 #include "solve/assemble.hpp"
 #include "solve/kkt.hpp"
@@ -41,13 +42,13 @@ std::string digits(double value) {
 /// Unknowns y = (x, v, z, lambda, mu), each over its nominal, and rows in the order of the header comment.
 class Integration {
  public:
-  Integration(const System& system, const SimulateOptions& options, const State& start)
+  Integration(const System& system, const SimulateOptions& options, State start)
       : system_(system),
         options_(options),
         partition_(choose_partition(system, start)),
         blocks_(system),
         kkt_(system, partition_.rows),
-        state_(start),
+        state_(std::move(start)),
         n_(system.n()),
         nz_(system.nz()),
         rows_(static_cast<Index>(partition_.rows.size())),
@@ -231,7 +232,7 @@ class Integration {
   void count_statistics();
   [[noreturn]] void fail(int flag);
   [[nodiscard]] std::string unknown_name(Index i) const;
-  void check(int flag, const char* what) const {
+  static void check(int flag, const char* what) {
     if (flag < 0) throw AnalysisError("simulate", std::string(what) + " failed with " + std::to_string(flag), "a working integrator", "this is a fault of the engine");
   }
   template <class Function>
@@ -429,7 +430,8 @@ Simulation Integration::run(const Observer& observer) {
         statistics_.worst_velocity = violation.velocity;
         statistics_.worst_velocity_row = system_.constraint(violation.velocity_row).name;
       }
-      for (double t = next_output(); t <= t_; t = next_output()) {
+      while (next_output() <= t_) {
+        const double t = next_output();
         if (t < segment_end_) emit(t, observer);
         pass_output(t);
       }

@@ -38,8 +38,8 @@ struct Simulation {
 };
 
 /// Runs from `start` (consistent in positions and velocities) to options.to_time. Output at from_time, every output_step,
-/// at output_times (every step where neither is given), at both sides of input breakpoints, and at the end. Throws AnalysisError where the integrator gives
-/// up; the message names the row and the component that limited the step.
+/// at output_times (every step where neither is given), at both sides of input breakpoints, and at the end. Throws
+/// AnalysisError where the integrator gives up; the message names the row and the component that limited the step.
 Simulation simulate(const System& system, const SimulateOptions& options, const State& start, const Observer& observer);
 
 }  // namespace bramah

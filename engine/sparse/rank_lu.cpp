@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <ranges>
 
 namespace bramah::sparse {
 namespace {
@@ -54,7 +55,7 @@ void RankLu::factor(const CscView& a, const RankLuOptions& options) {
   std::vector<double> work(rows, 0.0);
   std::vector<std::int64_t> mark(rows, -1), pattern, topological;
   std::vector<std::pair<std::int64_t, std::int64_t>> stack;  // row, next child
-  std::vector<std::int64_t> row_count(rows, 0);              // columns to come in each row: the tie-break among good pivots
+  std::vector<std::int64_t> row_count(rows, 0);              // columns to come: the tie-break among good pivots
   for (std::int64_t e = 0; e < a.start[a.columns]; ++e) ++row_count[static_cast<std::size_t>(a.row[e])];
 
   for (const std::int64_t column : order) {
@@ -92,8 +93,8 @@ void RankLu::factor(const CscView& a, const RankLuOptions& options) {
       }
     }
     for (std::int64_t e = a.start[column]; e < a.start[column + 1]; ++e) work[static_cast<std::size_t>(a.row[e])] = a.value[e];
-    for (auto it = topological.rbegin(); it != topological.rend(); ++it) {
-      const auto k = static_cast<std::size_t>(*it);
+    for (const std::int64_t earlier : std::views::reverse(topological)) {
+      const auto k = static_cast<std::size_t>(earlier);
       const double u = work[static_cast<std::size_t>(pivot_rows_[k])];
       if (u == 0.0) continue;
       for (std::int64_t p = l_start_[k]; p < l_start_[k + 1]; ++p) {

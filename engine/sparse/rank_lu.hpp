@@ -25,8 +25,8 @@ struct RankLuOptions {
 
 class RankLu {
  public:
-  /// Factors `matrix`; the pattern of the factors is found on the way.
-  void factor(const CscView& matrix, const RankLuOptions& options = {});
+  /// Factors `a`; the pattern of the factors is found on the way.
+  void factor(const CscView& a, const RankLuOptions& options = {});
 
   [[nodiscard]] std::int64_t rank() const { return static_cast<std::int64_t>(pivot_columns_.size()); }
   /// Row and column of pivot k, in the order of elimination.

@@ -176,7 +176,7 @@ Outcome Blocks::evaluate(const System& system, const State& state, const Request
   return check_finite(system, request);
 }
 
-Outcome Blocks::failure(const System& system, const Group& group, Index instance, int status, const char* why) const {
+Outcome Blocks::failure(const System& system, const Group& group, Index instance, int status, const char* why) {
   const Index component = group.component[static_cast<std::size_t>(std::clamp<Index>(instance, 0, group.count - 1))];
   Outcome outcome;
   outcome.status = status > 0 ? Outcome::Status::recoverable : Outcome::Status::fatal;

@@ -52,8 +52,8 @@ class Blocks {
 
  private:
   void gather(const Group& group, const State& state, Index first, Index count);
-  Outcome failure(const System& system, const Group& group, Index instance, int status, const char* why) const;
-  Outcome check_finite(const System& system, const Request& request) const;
+  static Outcome failure(const System& system, const Group& group, Index instance, int status, const char* why);
+  [[nodiscard]] Outcome check_finite(const System& system, const Request& request) const;
 
   static constexpr Index chunk = 64;  // instances in one call: their records stay in the second-level cache
   std::vector<std::array<Vector, BRAMAH_BLOCKS>> partials_;
