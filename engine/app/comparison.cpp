@@ -14,7 +14,8 @@ namespace {
 constexpr double kUnstable = 1e-9;  // what a reader without error bounds takes for a positive real part
 
 bool looks_unstable(const Eigenvalues& eigenvalues) {
-  return std::any_of(eigenvalues.begin(), eigenvalues.end(), [](const auto& value) { return value.real() > kUnstable; });
+  return std::any_of(eigenvalues.begin(), eigenvalues.end(),
+                     [](const auto& value) { return value.real() > kUnstable; });
 }
 
 Eigenvalues eigenvalues_of(const Spectrum& spectrum) {
@@ -44,7 +45,8 @@ void match(const Comparison& comparison, Contender& contender) {
   std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
   for (std::size_t i = 0; i < wanted; ++i) {
     for (std::size_t j = 0; j < offered; ++j) {
-      pairs.emplace_back(std::abs(contender.eigenvalues[j] - comparison.reduced[i]) / std::abs(comparison.reduced[i]), i, j);
+      pairs.emplace_back(std::abs(contender.eigenvalues[j] - comparison.reduced[i]) / std::abs(comparison.reduced[i]),
+                         i, j);
     }
   }
   std::sort(pairs.begin(), pairs.end());
@@ -84,8 +86,9 @@ double Contender::worst_error() const {
 }
 
 std::size_t Comparison::best() const {
-  const auto least = std::min_element(differences.begin(), differences.end(),
-                                      [](const Contender& a, const Contender& b) { return a.worst_error() < b.worst_error(); });
+  const auto least =
+      std::min_element(differences.begin(), differences.end(),
+                       [](const Contender& a, const Contender& b) { return a.worst_error() < b.worst_error(); });
   return static_cast<std::size_t>(least - differences.begin());
 }
 
@@ -101,14 +104,25 @@ Comparison compare(const Context& context, const Linearization& linear, const st
   Spectrum spectrum;
   progress(0.0);
   // Every contender is timed to its plain eigenvalues; the reduced ones shown are those of the full analysis.
-  result.reduced_seconds = median_seconds([&] { linearizer.linearize(linear.state, model); result.reduced = plain_eigenvalues(model); }, budget);
+  result.reduced_seconds = median_seconds(
+      [&] {
+        linearizer.linearize(linear.state, model);
+        result.reduced = plain_eigenvalues(model);
+      },
+      budget);
   spectrum = find_spectrum(model);
   result.reduced = eigenvalues_of(spectrum);
   result.reduced_size = result.reduced.size();
   result.reduced_looks_unstable = looks_unstable(result.reduced);
-  result.true_zeros = static_cast<std::size_t>(std::count_if(spectrum.modes.begin(), spectrum.modes.end(), [](const Mode& m) { return m.zero; }));
+  result.true_zeros = static_cast<std::size_t>(
+      std::count_if(spectrum.modes.begin(), spectrum.modes.end(), [](const Mode& m) { return m.zero; }));
 
-  result.exact.seconds = median_seconds([&] { linearizer.linearize_augmented(linear.state, model); result.exact.eigenvalues = plain_eigenvalues(model); }, budget);
+  result.exact.seconds = median_seconds(
+      [&] {
+        linearizer.linearize_augmented(linear.state, model);
+        result.exact.eigenvalues = plain_eigenvalues(model);
+      },
+      budget);
   result.augmented_size = result.exact.eigenvalues.size();
   match(result, result.exact);
 
@@ -117,7 +131,12 @@ Comparison compare(const Context& context, const Linearization& linear, const st
     Contender contender;
     contender.h = h;
     try {
-      contender.seconds = median_seconds([&] { contender.eigenvalues = plain_eigenvalues(augmented_by_differences(system, linear.partition, linear.state, h)); }, budget);
+      contender.seconds = median_seconds(
+          [&] {
+            contender.eigenvalues =
+                plain_eigenvalues(augmented_by_differences(system, linear.partition, linear.state, h));
+          },
+          budget);
       match(result, contender);
     } catch (const AnalysisError& error) {  // a step so large that a law has no value, or so small that nothing is left
       contender.failure = error.found();
@@ -131,7 +150,9 @@ Comparison compare(const Context& context, const Linearization& linear, const st
 std::string comparison_document(const Comparison& comparison) {
   JsonWriter json;
   json.begin_object().key("reduced").begin_object();
-  json.member("size", comparison.reduced_size).member("zeros", comparison.true_zeros).member("looks_unstable", comparison.reduced_looks_unstable);
+  json.member("size", comparison.reduced_size)
+      .member("zeros", comparison.true_zeros)
+      .member("looks_unstable", comparison.reduced_looks_unstable);
   write_eigenvalues(json, "eigenvalues", comparison.reduced);
   json.member("time_s", comparison.reduced_seconds).end_object();
   json.key("augmented_exact").begin_object().member("size", comparison.augmented_size);
@@ -166,18 +187,21 @@ Table comparison_table(const Comparison& comparison) {
     if (!c.failure.empty()) {
       cells.insert(cells.end(), {"-", "-", "-", "-", "-", c.failure});
     } else {
-      cells.insert(cells.end(), {std::to_string(c.false_zeros), short_number(c.largest_false_zero, 2), short_number(c.largest_real_part, 2),
-                                 c.looks_unstable ? "unstable" : "stable", duration(c.seconds), best ? "<- best h" : ""});
+      cells.insert(cells.end(), {std::to_string(c.false_zeros), short_number(c.largest_false_zero, 2),
+                                 short_number(c.largest_real_part, 2), c.looks_unstable ? "unstable" : "stable",
+                                 duration(c.seconds), best ? "<- best h" : ""});
     }
     table.rows.push_back(std::move(cells));
   };
   std::vector<std::string> reduced = {"reduced, exact", std::to_string(comparison.reduced_size)};
   reduced.resize(table.header.size() - 6, "0");
-  reduced.insert(reduced.end(), {"0", "", "", comparison.reduced_looks_unstable ? "unstable" : "stable", duration(comparison.reduced_seconds), ""});
+  reduced.insert(reduced.end(), {"0", "", "", comparison.reduced_looks_unstable ? "unstable" : "stable",
+                                 duration(comparison.reduced_seconds), ""});
   table.rows.push_back(std::move(reduced));
   row("augmented, exact", comparison.exact, false);
   for (std::size_t k = 0; k < comparison.differences.size(); ++k) {
-    row("differences, h = " + short_number(comparison.differences[k].h, 3), comparison.differences[k], k == comparison.best());
+    row("differences, h = " + short_number(comparison.differences[k].h, 3), comparison.differences[k],
+        k == comparison.best());
   }
   return table;
 }
@@ -189,8 +213,9 @@ std::string comparison_text(const Comparison& comparison) {
   }
   out += "and " + counted(comparison.true_zeros, "true zero") + ". Errors are relative, column k for eigenvalue k.\n\n";
   out += as_text(comparison_table(comparison));
-  out += "\nFalse zeros are eigenvalues of the augmented matrix that stand for nothing in the machine; \"largest\" and\n"
-         "\"real part\" are the largest magnitude and the largest real part among them and the true zeros.\n";
+  out +=
+      "\nFalse zeros are eigenvalues of the augmented matrix that stand for nothing in the machine; \"largest\" and\n"
+      "\"real part\" are the largest magnitude and the largest real part among them and the true zeros.\n";
   return out;
 }
 

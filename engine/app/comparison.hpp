@@ -15,16 +15,16 @@ using Eigenvalues = std::vector<std::complex<double>>;
 
 /// A spectrum held against the reduced one.
 struct Contender {
-  double h = 0.0;             // step of differences; 0: exact
-  std::string failure;        // why there is no spectrum; empty: there is one
+  double h = 0.0;       // step of differences; 0: exact
+  std::string failure;  // why there is no spectrum; empty: there is one
   Eigenvalues eigenvalues;
   std::vector<double> errors;  // relative, of the eigenvalue nearest to each nonzero reduced one, each claimed once
-  long false_zeros = 0;             // eigenvalues that nothing claims, less the true zeros
+  long false_zeros = 0;        // eigenvalues that nothing claims, less the true zeros
   double largest_false_zero = 0.0;  // magnitude
   double largest_real_part = 0.0;   // of false zeros: above 0 they look unstable
   Eigenvalues unclaimed;
-  bool looks_unstable = false;      // some real part is above 1e-9
-  double seconds = 0.0;             // Jacobian and eigenvalues
+  bool looks_unstable = false;  // some real part is above 1e-9
+  double seconds = 0.0;         // Jacobian and eigenvalues
   [[nodiscard]] double worst_error() const;
 };
 

@@ -14,7 +14,8 @@ namespace bramah {
 namespace {
 
 [[noreturn]] void fail_to_print() {
-  throw WriteError("standard output", std::string("cannot be written: ") + std::strerror(errno), "make room, or send the output elsewhere");
+  throw WriteError("standard output", std::string("cannot be written: ") + std::strerror(errno),
+                   "make room, or send the output elsewhere");
 }
 
 }  // namespace

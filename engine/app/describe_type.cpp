@@ -17,7 +17,8 @@ std::string safe(const char* text) { return text == nullptr ? "" : text; }
 
 std::vector<std::string> choices(const bramah_parameter_info& p) {
   std::vector<std::string> words;
-  for (const char* const* choice = p.choices; choice != nullptr && *choice != nullptr; ++choice) words.emplace_back(*choice);
+  for (const char* const* choice = p.choices; choice != nullptr && *choice != nullptr; ++choice)
+    words.emplace_back(*choice);
   return words;
 }
 
@@ -40,14 +41,16 @@ std::string limits(const bramah_parameter_info& p) {
   if (p.kind == BRAMAH_TEXT) return "";
   std::string text;
   if (std::isfinite(p.lower)) text = (p.lower_open != 0 ? "> " : ">= ") + short_number(p.lower);
-  if (std::isfinite(p.upper)) text += (text.empty() ? "" : ", ") + std::string(p.upper_open != 0 ? "< " : "<= ") + short_number(p.upper);
+  if (std::isfinite(p.upper))
+    text += (text.empty() ? "" : ", ") + std::string(p.upper_open != 0 ? "< " : "<= ") + short_number(p.upper);
   return text;
 }
 
 std::string fallback(const bramah_parameter_info& p) {
   if (p.required != 0) return "required";
   if (p.kind == BRAMAH_TEXT) return '"' + safe(p.default_text) + '"';
-  const std::span<const double> numbers(p.default_numbers, static_cast<std::size_t>(p.default_numbers == nullptr ? 0 : p.default_count));
+  const std::span<const double> numbers(p.default_numbers,
+                                        static_cast<std::size_t>(p.default_numbers == nullptr ? 0 : p.default_count));
   if (p.kind == BRAMAH_CHOICE && !numbers.empty()) return choices(p).at(static_cast<std::size_t>(numbers[0]));
   std::string text;
   for (const double number : numbers) text += (text.empty() ? "" : ", ") + short_number(number, 10);
@@ -63,7 +66,10 @@ std::string sample(const bramah_type& type) {
   for (const auto& p : list(type.parameters, type.parameter_count)) {
     if (p.required == 0) continue;
     const bool plain = p.kind == BRAMAH_NUMBER && safe(p.unit) != "1";
-    const std::string content = p.kind == BRAMAH_VECTOR || p.kind == BRAMAH_LIST ? "[...]" : plain ? "\"... " + safe(p.unit) + '"' : p.kind == BRAMAH_NUMBER ? "..." : "\"...\"";
+    const std::string content = p.kind == BRAMAH_VECTOR || p.kind == BRAMAH_LIST ? "[...]"
+                                : plain                                          ? "\"... " + safe(p.unit) + '"'
+                                : p.kind == BRAMAH_NUMBER                        ? "..."
+                                                                                 : "\"...\"";
     text += ", \"" + safe(p.name) + "\": " + content;
   }
   return text + " }\n";
@@ -83,19 +89,23 @@ Table row_table(std::span<const bramah_row_info> rows) {
 
 std::string type_text(const Registry& registry, const bramah_type& type) {
   const LoadedLibrary& home = registry.library_of(type);
-  std::string out = safe(type.name) + ": " + safe(type.doc) + "\nfrom library " + home.library->name + " " + home.library->version + '\n';
+  std::string out = safe(type.name) + ": " + safe(type.doc) + "\nfrom library " + home.library->name + " " +
+                    home.library->version + '\n';
   Table ports, parameters, variables, terminals;
   for (const auto& p : list(type.ports, type.port_count)) {
-    ports.rows.push_back({safe(p.name), safe(p.kind), safe(p.unit), p.required != 0 ? "required" : "optional", safe(p.doc)});
+    ports.rows.push_back(
+        {safe(p.name), safe(p.kind), safe(p.unit), p.required != 0 ? "required" : "optional", safe(p.doc)});
   }
   for (const auto& p : list(type.parameters, type.parameter_count)) {
     parameters.rows.push_back({safe(p.name), kind(p), safe(p.unit), limits(p), fallback(p), safe(p.doc)});
   }
   if (!parameters.rows.empty()) parameters.header = {"name", "kind", "unit", "limits", "default", "meaning"};
   for (const auto& v : list(type.variables, type.variable_count)) {
-    variables.rows.push_back({safe(v.name), v.family == BRAMAH_X ? "coordinate" : "first order", safe(v.unit), "nominal " + short_number(v.nominal), safe(v.doc)});
+    variables.rows.push_back({safe(v.name), v.family == BRAMAH_X ? "coordinate" : "first order", safe(v.unit),
+                              "nominal " + short_number(v.nominal), safe(v.doc)});
   }
-  for (const auto& t : list(type.terminals, type.terminal_count)) terminals.rows.push_back({safe(t.name), safe(t.kind), safe(t.unit), safe(t.doc)});
+  for (const auto& t : list(type.terminals, type.terminal_count))
+    terminals.rows.push_back({safe(t.name), safe(t.kind), safe(t.unit), safe(t.doc)});
   section(out, "Ports: what it connects to", ports);
   section(out, "Parameters", parameters);
   section(out, "Variables it brings", variables);
@@ -119,25 +129,40 @@ std::string type_document(const Registry& registry, const bramah_type& type) {
   json.end_list().key("parameters").begin_list();
   for (const auto& p : list(type.parameters, type.parameter_count)) {
     json.begin_flat_object().member("name", safe(p.name)).member("kind", kind(p)).member("unit", safe(p.unit));
-    json.member("lower", p.lower).member("lower_open", p.lower_open != 0).member("upper", p.upper).member("upper_open", p.upper_open != 0);
+    json.member("lower", p.lower)
+        .member("lower_open", p.lower_open != 0)
+        .member("upper", p.upper)
+        .member("upper_open", p.upper_open != 0);
     json.member("required", p.required != 0).key("default");
     p.required != 0 ? json.null() : json.value(fallback(p));
     json.key("choices").values(choices(p)).member("doc", safe(p.doc)).end_object();
   }
   json.end_list().key("variables").begin_list();
   for (const auto& v : list(type.variables, type.variable_count)) {
-    json.begin_flat_object().member("name", safe(v.name)).member("order", v.family == BRAMAH_X ? 2 : 1).member("unit", safe(v.unit));
+    json.begin_flat_object()
+        .member("name", safe(v.name))
+        .member("order", v.family == BRAMAH_X ? 2 : 1)
+        .member("unit", safe(v.unit));
     json.member("nominal", v.nominal).member("start", v.start).member("doc", safe(v.doc)).end_object();
   }
   json.end_list().key("terminals").begin_list();
   for (const auto& t : list(type.terminals, type.terminal_count)) {
-    json.begin_flat_object().member("name", safe(t.name)).member("kind", safe(t.kind)).member("unit", safe(t.unit)).member("doc", safe(t.doc)).end_object();
+    json.begin_flat_object()
+        .member("name", safe(t.name))
+        .member("kind", safe(t.kind))
+        .member("unit", safe(t.unit))
+        .member("doc", safe(t.doc))
+        .end_object();
   }
   json.end_list();
   const auto rows = [&](const char* name, std::span<const bramah_row_info> infos) {
     json.key(name).begin_list();
     for (const auto& row : infos) {
-      json.begin_flat_object().member("name", safe(row.name)).member("unit", safe(row.unit)).member("doc", safe(row.doc)).end_object();
+      json.begin_flat_object()
+          .member("name", safe(row.name))
+          .member("unit", safe(row.unit))
+          .member("doc", safe(row.doc))
+          .end_object();
     }
     json.end_list();
   };

@@ -22,7 +22,8 @@ bool came_from(const std::string& setting, const std::string& fault_pointer) {
   const std::size_t dot = setting.find('.'), equals = setting.find('=');
   if (dot == std::string::npos || equals == std::string::npos || dot > equals) return false;
   const std::string word = setting.substr(0, dot), key = setting.substr(dot + 1, equals - dot - 1);
-  return fault_pointer == pointer(pointer("/components", word), key) || fault_pointer == pointer(pointer("", word), key);
+  return fault_pointer == pointer(pointer("/components", word), key) ||
+         fault_pointer == pointer(pointer("", word), key);
 }
 
 }  // namespace
@@ -85,7 +86,8 @@ Failure Failure::write(const WriteError& error) {
 
 Failure Failure::unexpected(const std::string& what) {
   Failure failure(exit_analysis, "unexpected");
-  const Diagnostic d = diagnostic("unexpected", what, "", "if the scene is not extraordinarily large, please report this with the scene");
+  const Diagnostic d = diagnostic("unexpected", what, "",
+                                  "if the scene is not extraordinarily large, please report this with the scene");
   failure.add({"bramah", ""}, d);
   failure.text_ = render({"bramah", ""}, SceneError(d));
   return failure;

@@ -14,10 +14,10 @@ namespace bramah {
 
 enum ExitCode : int {
   exit_ok = 0,
-  exit_analysis = 1,     // the scene is sound, but this analysis has no answer
-  exit_scene = 2,        // the scene is wrong
-  exit_usage = 3,        // the command line is wrong
-  exit_write = 4,        // results cannot be written
+  exit_analysis = 1,      // the scene is sound, but this analysis has no answer
+  exit_scene = 2,         // the scene is wrong
+  exit_usage = 3,         // the command line is wrong
+  exit_write = 4,         // results cannot be written
   exit_interrupted = 130  // Ctrl-C; results so far are kept
 };
 

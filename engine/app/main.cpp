@@ -23,7 +23,8 @@ constexpr const char* kOptions =
 
 std::string main_help() {
   Table verbs;
-  for (const Verb* verb : all_verbs()) verbs.rows.push_back({std::string(verb->name) + " " + verb->argument, verb->brief});
+  for (const Verb* verb : all_verbs())
+    verbs.rows.push_back({std::string(verb->name) + " " + verb->argument, verb->brief});
   verbs.rows.push_back({"help VERB", "what a verb does, an example, what it prints"});
   return "bramah: machines of bodies, joints, oil and friction, assembled from a JSON scene\n\n"
          "  bramah VERB SCENE [--set COMPONENT.PARAMETER=VALUE]... [--out DIR] [--json]\n\nVerbs\n" +
@@ -68,10 +69,14 @@ const Verb* find_verb(const std::string& name) {
   const std::string& word = rest.front();
   const std::string help = "`bramah help " + std::string(verb.name) + "` explains the verb";
   if (!word.starts_with('-')) {
-    throw Failure::usage("\"" + word + "\" is one word too many", "bramah " + std::string(verb.name) + " " + verb.argument + " [options]",
-                         word.find('=') != std::string::npos ? "write --set before it; put quotation marks around values with blanks" : help);
+    throw Failure::usage("\"" + word + "\" is one word too many",
+                         "bramah " + std::string(verb.name) + " " + verb.argument + " [options]",
+                         word.find('=') != std::string::npos
+                             ? "write --set before it; put quotation marks around values with blanks"
+                             : help);
   }
-  throw Failure::usage("no option \"" + word + "\"", "one of: --set, --out, --json, --help", suggestion(word, {"--set", "--out", "--json", "--help"}, help));
+  throw Failure::usage("no option \"" + word + "\"", "one of: --set, --out, --json, --help",
+                       suggestion(word, {"--set", "--out", "--json", "--help"}, help));
 }
 
 int run_verb(const Verb& verb, int argc, char** argv) {
@@ -94,7 +99,8 @@ int run_verb(const Verb& verb, int argc, char** argv) {
   }
   if (!app.remaining().empty()) refuse_rest(verb, app.remaining());
   if (std::strcmp(verb.argument, "SCENE") == 0 && arguments.subject.empty()) {
-    throw Failure::usage("`" + std::string(verb.name) + "` without a scene", "bramah " + std::string(verb.name) + " SCENE", "name a scene file");
+    throw Failure::usage("`" + std::string(verb.name) + "` without a scene",
+                         "bramah " + std::string(verb.name) + " SCENE", "name a scene file");
   }
   return verb.run(arguments);
 }
@@ -140,7 +146,8 @@ int guarded_run(int argc, char** argv) {
   std::string scene;
   for (int i = 1; i < argc; ++i) json = json || std::strcmp(argv[i], "--json") == 0;
   for (int i = argc - 1; i > 1; --i) {
-    if (argv[i][0] != '-' && std::strcmp(argv[i - 1], "--set") != 0 && std::strcmp(argv[i - 1], "--out") != 0) scene = argv[i];
+    if (argv[i][0] != '-' && std::strcmp(argv[i - 1], "--set") != 0 && std::strcmp(argv[i - 1], "--out") != 0)
+      scene = argv[i];
   }
   try {
     const int code = run(argc, argv);

@@ -13,7 +13,8 @@ void Recording::take(const System& system, const State& state, const Vector& out
   // Of two states at one time the second is that after the jump. Rounding of output times is no reason to miss it.
   const double nearly = linear_from - 1e-12 * std::max(1.0, std::abs(linear_from));
   const bool is_first = from.empty() && state.t >= nearly;
-  if (linear_from >= 0.0 && (is_first || (!from.empty() && state.t == from.front().t && from_index + 1 == times.size()))) {
+  if (linear_from >= 0.0 &&
+      (is_first || (!from.empty() && state.t == from.front().t && from_index + 1 == times.size()))) {
     from.assign(1, state);
     from_index = times.size();
   }

@@ -15,7 +15,7 @@ struct Recording {
   std::vector<double> times;
   std::vector<Vector> values;  // of the scene's outputs, one vector a time
   std::vector<Vector> inputs;
-  std::vector<State> from;     // the state at the start of the overlay: the last one at or just after its time
+  std::vector<State> from;  // the state at the start of the overlay: the last one at or just after its time
   std::size_t from_index = 0;
 
   void take(const System& system, const State& state, const Vector& outputs, double linear_from);
@@ -24,17 +24,19 @@ struct Recording {
 struct Overlay {
   struct Error {
     std::string name, unit;
-    double deviation = 0.0;          // from the reference, where the overlay begins
-    double largest = 0.0;            // of |linear - nonlinear|
-    double peak = 0.0;               // of |nonlinear - reference| from there on
+    double deviation = 0.0;  // from the reference, where the overlay begins
+    double largest = 0.0;    // of |linear - nonlinear|
+    double peak = 0.0;       // of |nonlinear - reference| from there on
     /// Largest error over deviation; NAN where the output begins at rest, so that the quotient says nothing.
-    [[nodiscard]] double relative() const { return std::abs(deviation) > 1e-3 * peak ? largest / std::abs(deviation) : NAN; }
+    [[nodiscard]] double relative() const {
+      return std::abs(deviation) > 1e-3 * peak ? largest / std::abs(deviation) : NAN;
+    }
   };
   double from = 0.0;
-  std::size_t first = 0;               // of the recording
-  Vector reference;                    // of the outputs
-  std::vector<Vector> linear;          // outputs by the linear model, from `first` on
-  std::vector<Error> errors;           // one for each output
+  std::size_t first = 0;       // of the recording
+  Vector reference;            // of the outputs
+  std::vector<Vector> linear;  // outputs by the linear model, from `first` on
+  std::vector<Error> errors;   // one for each output
 };
 
 /// How long the slowest mode that dies takes to fall below 1 %; +infinity where none does.

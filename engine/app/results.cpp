@@ -37,10 +37,12 @@ void each_value(const System& system, const State& state, Visit&& visit) {
 
 void write_state(JsonWriter& json, const System& system, const State& state) {
   json.key("variables").begin_object();
-  each_value(system, state, [&](const std::string& name, const std::string&, double value) { json.member(name, value); });
+  each_value(system, state,
+             [&](const std::string& name, const std::string&, double value) { json.member(name, value); });
   json.end_object();
   json.key("inputs").begin_object();
-  for (std::size_t i = 0; i < system.inputs.size(); ++i) json.member(system.inputs[i].name, state.z[system.z.size() + i]);
+  for (std::size_t i = 0; i < system.inputs.size(); ++i)
+    json.member(system.inputs[i].name, state.z[system.z.size() + i]);
   json.end_object();
 }
 
@@ -61,7 +63,8 @@ std::string involved_states(const LinearModel& model, const Eigen::VectorXd& sha
   std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return shares(a) > shares(b); });
   std::string text;
   for (std::size_t k = 0; k < std::min<std::size_t>(3, order.size()) && shares(order[k]) >= 0.1; ++k) {
-    text += (k == 0 ? "" : ", ") + model.states[static_cast<std::size_t>(order[k])].name + " " + short_number(std::round(100.0 * shares(order[k])), 3) + " %";
+    text += (k == 0 ? "" : ", ") + model.states[static_cast<std::size_t>(order[k])].name + " " +
+            short_number(std::round(100.0 * shares(order[k])), 3) + " %";
   }
   return text;
 }
@@ -90,12 +93,14 @@ Table sizes_table(const Sizes& s) {
   const auto row = [](const char* letter, Index count, const char* meaning) {
     return std::vector<std::string>{letter, std::to_string(count), meaning};
   };
-  return {{},
-          {row("n", s.n, "coordinates"), row("m", s.m, "holonomic constraint rows"), row("l", s.l, "nonholonomic constraint rows"),
-           row("redundant", s.redundant, "rows that follow from the others"), row("r", s.r, "first-order variables (pressures, ...)"),
-           row("u", s.u, "spools"), row("reduced", s.reduced(), "states of the smallest linear model, 2n - 2m - l + r + u without redundant rows"),
-           row("augmented", s.augmented(), "states without the reduction, 2n + r + u")},
-          "lr"};
+  return {
+      {},
+      {row("n", s.n, "coordinates"), row("m", s.m, "holonomic constraint rows"),
+       row("l", s.l, "nonholonomic constraint rows"), row("redundant", s.redundant, "rows that follow from the others"),
+       row("r", s.r, "first-order variables (pressures, ...)"), row("u", s.u, "spools"),
+       row("reduced", s.reduced(), "states of the smallest linear model, 2n - 2m - l + r + u without redundant rows"),
+       row("augmented", s.augmented(), "states without the reduction, 2n + r + u")},
+      "lr"};
 }
 
 std::string equilibrium_document(const System& system, const Equilibrium& equilibrium) {
@@ -104,18 +109,23 @@ std::string equilibrium_document(const System& system, const Equilibrium& equili
   write_state(json, system, equilibrium.state);
   write_free_directions(json, equilibrium.free_directions);
   json.key("units").begin_object();
-  each_value(system, equilibrium.state, [&](const std::string& name, const std::string& unit, double) { json.member(name, unit); });
+  each_value(system, equilibrium.state,
+             [&](const std::string& name, const std::string& unit, double) { json.member(name, unit); });
   for (const InputSignal& input : system.inputs) json.member(input.name, input.unit);
   json.end_object();
-  json.member("time", equilibrium.state.t).member("iterations", equilibrium.iterations).member("residual", equilibrium.residual);
+  json.member("time", equilibrium.state.t)
+      .member("iterations", equilibrium.iterations)
+      .member("residual", equilibrium.residual);
   json.end_object();
   return json.take();
 }
 
 Table variables_table(const System& system, const State& state) {
   Table table{{"variable", "value", "unit"}, {}, "lr"};
-  for (std::size_t i = 0; i < system.x.size(); ++i) table.rows.push_back({system.x[i].name, short_number(state.x[i], 10), system.x[i].unit});
-  for (std::size_t i = 0; i < system.z.size(); ++i) table.rows.push_back({system.z[i].name, short_number(state.z[i], 10), system.z[i].unit});
+  for (std::size_t i = 0; i < system.x.size(); ++i)
+    table.rows.push_back({system.x[i].name, short_number(state.x[i], 10), system.x[i].unit});
+  for (std::size_t i = 0; i < system.z.size(); ++i)
+    table.rows.push_back({system.z[i].name, short_number(state.z[i], 10), system.z[i].unit});
   return table;
 }
 
@@ -133,7 +143,8 @@ std::string free_directions_text(const std::vector<FreeDirection>& directions) {
   std::string out = "Free directions, along which the equilibrium stays one (\"hold\" a variable of each to choose):\n";
   for (const FreeDirection& direction : directions) {
     std::string line;
-    for (const auto& [name, share] : direction.variables) line += (line.empty() ? "  " : ", ") + name + " " + short_number(share, 3);
+    for (const auto& [name, share] : direction.variables)
+      line += (line.empty() ? "  " : ", ") + name + " " + short_number(share, 3);
     out += line + '\n';
   }
   return out;
@@ -164,7 +175,9 @@ std::string linear_document(const System& system, const Linearization& linear) {
   json.key("units").begin_object();
   for (const auto* list : {&model.states, &model.inputs, &model.outputs}) {
     for (const NamedQuantity& q : *list) {
-      const bool is_output_and_state = list == &model.outputs && std::any_of(model.states.begin(), model.states.end(), [&](const NamedQuantity& s) { return s.name == q.name; });
+      const bool is_output_and_state =
+          list == &model.outputs && std::any_of(model.states.begin(), model.states.end(),
+                                                [&](const NamedQuantity& s) { return s.name == q.name; });
       if (!is_output_and_state) json.member(q.name, q.unit);
     }
   }
@@ -183,11 +196,17 @@ std::string linear_document(const System& system, const Linearization& linear) {
   json.end_list();
   json.key("kinks").begin_list();
   for (const KinkTaken& kink : model.kinks) {
-    json.begin_flat_object().member("component", kink.component).member("name", kink.name).member("side", side_text(kink.side)).end_object();
+    json.begin_flat_object()
+        .member("component", kink.component)
+        .member("name", kink.name)
+        .member("side", side_text(kink.side))
+        .end_object();
   }
   json.end_list();
   json.key("at").begin_object();
-  json.member("kind", linear.at_equilibrium ? "equilibrium" : "start").member("time", linear.state.t).member("side", side_text(linear.state.side));
+  json.member("kind", linear.at_equilibrium ? "equilibrium" : "start")
+      .member("time", linear.state.t)
+      .member("side", side_text(linear.state.side));
   write_state(json, system, linear.state);
   json.key("rates").begin_object();
   for (std::size_t i = 0; i < system.x.size(); ++i) json.member(system.x[i].name, linear.state.v[i]);
@@ -201,18 +220,22 @@ std::string linear_document(const System& system, const Linearization& linear) {
 std::string redundancy_text(const std::vector<RedundantSet>& sets) {
   std::string out;
   for (const RedundantSet& set : sets) out += "Redundant: " + set.text + ".\n";
-  if (!sets.empty()) out += "The motion does not depend on redundant rows; their multipliers are not unique, those of least norm are shown.\n";
+  if (!sets.empty())
+    out +=
+        "The motion does not depend on redundant rows; their multipliers are not unique, those of least norm are shown.\n";
   return out;
 }
 
 std::string linear_notes(const System& system, const Linearization& linear) {
   std::string out;
   if (!linear.at_equilibrium) {
-    out += "Linearized at the start state. Away from equilibria and steady motions the model holds for short times only.\n";
+    out +=
+        "Linearized at the start state. Away from equilibria and steady motions the model holds for short times only.\n";
   }
   out += redundancy_text(describe_redundancy(system, linear.partition));
   if (!linear.model.kinks.empty()) {
-    out += "Laws with a kink at this state; derivatives are those of side " + side_text(linear.model.kinks.front().side) + ":\n";
+    out += "Laws with a kink at this state; derivatives are those of side " +
+           side_text(linear.model.kinks.front().side) + ":\n";
     for (const KinkTaken& kink : linear.model.kinks) out += "  " + kink.component + ": " + kink.name + '\n';
   }
   return out;
@@ -220,7 +243,8 @@ std::string linear_notes(const System& system, const Linearization& linear) {
 
 std::string complex_text(std::complex<double> value, int digits) {
   std::string text = short_number(value.real(), digits);
-  if (value.imag() != 0.0) text += (value.imag() < 0.0 ? " - " : " + ") + short_number(std::abs(value.imag()), digits) + "i";
+  if (value.imag() != 0.0)
+    text += (value.imag() < 0.0 ? " - " : " + ") + short_number(std::abs(value.imag()), digits) + "i";
   return text;
 }
 
@@ -253,7 +277,11 @@ std::string spectrum_document(const LinearModel& model, const Spectrum& spectrum
   };
   json.key("zero_blocks").begin_list();
   for (const ZeroBlock& block : spectrum.zeros) {
-    json.begin_flat_object().member("size", block.size).member("kind", block.kind).member("cause", block.cause).key("moves");
+    json.begin_flat_object()
+        .member("size", block.size)
+        .member("kind", block.kind)
+        .member("cause", block.cause)
+        .key("moves");
     shares(block.moves);
     json.end_object();
   }
@@ -279,7 +307,10 @@ std::string spectrum_notes(const Spectrum& spectrum) {
     out += "Conserved:";
     for (std::size_t k = 0; k < sum.size(); ++k) {
       const double share = sum[k].second;
-      out += std::string(share < 0.0 ? " - " : k == 0 ? " " : " + ") + short_number(std::abs(share), 5) + " " + sum[k].first;
+      out += std::string(share < 0.0 ? " - "
+                         : k == 0    ? " "
+                                     : " + ") +
+             short_number(std::abs(share), 5) + " " + sum[k].first;
     }
     out += '\n';
   }
@@ -299,8 +330,10 @@ Table spectrum_table(const LinearModel& model, const Spectrum& spectrum) {
     if (mode.zero) {
       table.rows.push_back({"0", "", "", condition, mode.cause});
     } else {
-      table.rows.push_back({complex_text(mode.eigenvalue, 15), short_number(-mode.eigenvalue.real() / std::abs(mode.eigenvalue), 4),
-                            hertz > 0.0 ? short_number(hertz, 5) + " Hz" : "", condition, involved_states(model, shares.col(static_cast<Eigen::Index>(k)))});
+      table.rows.push_back({complex_text(mode.eigenvalue, 15),
+                            short_number(-mode.eigenvalue.real() / std::abs(mode.eigenvalue), 4),
+                            hertz > 0.0 ? short_number(hertz, 5) + " Hz" : "", condition,
+                            involved_states(model, shares.col(static_cast<Eigen::Index>(k)))});
     }
   }
   return table;

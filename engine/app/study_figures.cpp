@@ -14,7 +14,8 @@ std::vector<std::size_t> chosen_outputs(const Context& context, const StudyResul
   const std::vector<Measured>& outputs = context.options().outputs;
   const auto moves = [&](std::size_t k) {
     const auto& values = results.recording.values;
-    const auto [low, high] = std::minmax_element(values.begin(), values.end(), [&](const Vector& a, const Vector& b) { return a[k] < b[k]; });
+    const auto [low, high] = std::minmax_element(values.begin(), values.end(),
+                                                 [&](const Vector& a, const Vector& b) { return a[k] < b[k]; });
     return (*high)[k] - (*low)[k] > 1e-12 * std::max(std::abs((*high)[k]), std::abs((*low)[k]));
   };
   std::vector<std::size_t> chosen;
@@ -92,7 +93,8 @@ plot::Figure complex_plane(std::string title) {
 
 plot::Figure spectrum_figure(const StudyResults& results) {
   plot::Figure figure = complex_plane("Spectrum");
-  plot::Series modes{"eigenvalues", {}, {}, plot::Style::circles, 0}, zeros{"true zeros", {}, {}, plot::Style::circles, 2};
+  plot::Series modes{"eigenvalues", {}, {}, plot::Style::circles, 0},
+      zeros{"true zeros", {}, {}, plot::Style::circles, 2};
   std::vector<double> parts;
   double left = 0.0, right = 0.0, up = 0.0;
   for (const Mode& mode : results.spectrum.modes) {
@@ -157,7 +159,8 @@ plot::Figure false_zero_figure(const Comparison& comparison) {
   plot::Series differences{"differences, h = " + short_number(best.h, 3), {}, {}, plot::Style::circles, 0};
   add_points(exact, comparison.exact.unclaimed);
   add_points(differences, best.unclaimed);
-  const double reach = std::max(comparison.exact.largest_false_zero, best.failure.empty() ? best.largest_false_zero : 0.0);
+  const double reach =
+      std::max(comparison.exact.largest_false_zero, best.failure.empty() ? best.largest_false_zero : 0.0);
   figure.x.high = figure.y.high = limit(reach, 1e-300);
   figure.x.low = figure.y.low = -figure.x.high;
   figure.x.threshold = figure.y.threshold = figure.x.high / 1.6 * std::pow(10.0, -decades);
@@ -194,15 +197,16 @@ std::string sheet_of(const std::vector<plot::Figure>& figures, std::size_t colum
       height += row_height;
       x = row_height = 0.0;
     }
-    inner += "<svg x=\"" + short_number(x) + "\" y=\"" + short_number(height) + "\" width=\"" + short_number(figures[k].width) +
-             "\" height=\"" + short_number(figures[k].height) + "\">\n" + plot::svg(figures[k]) + "</svg>\n";
+    inner += "<svg x=\"" + short_number(x) + "\" y=\"" + short_number(height) + "\" width=\"" +
+             short_number(figures[k].width) + "\" height=\"" + short_number(figures[k].height) + "\">\n" +
+             plot::svg(figures[k]) + "</svg>\n";
     x += figures[k].width;
     width = std::max(width, x);
     row_height = std::max(row_height, figures[k].height);
   }
   const std::string size = short_number(width) + "\" height=\"" + short_number(height + row_height) + "\"";
-  return "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" width=\"" + size + ">\n<style>\n" + plot::style_sheet() +
-         "</style>\n<rect class=\"page\" width=\"100%\" height=\"100%\"/>\n" + inner + "</svg>\n";
+  return "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" width=\"" + size + ">\n<style>\n" +
+         plot::style_sheet() + "</style>\n<rect class=\"page\" width=\"100%\" height=\"100%\"/>\n" + inner + "</svg>\n";
 }
 
 }  // namespace bramah

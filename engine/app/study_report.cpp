@@ -10,7 +10,8 @@ std::vector<std::pair<std::string, std::string>> facts(const Context& context, c
   const Sizes sizes = sizes_of(context.system(), &results.linear.partition);
   std::vector<std::pair<std::string, std::string>> list;
   list.emplace_back("linear model", std::to_string(sizes.reduced()) + " × " + std::to_string(sizes.reduced()));
-  list.emplace_back("without the reduction", std::to_string(sizes.augmented()) + " × " + std::to_string(sizes.augmented()));
+  list.emplace_back("without the reduction",
+                    std::to_string(sizes.augmented()) + " × " + std::to_string(sizes.augmented()));
   double worst = -HUGE_VAL;
   for (const Mode& mode : results.spectrum.modes) {
     if (!mode.zero) worst = std::max(worst, mode.eigenvalue.real());
@@ -18,7 +19,8 @@ std::vector<std::pair<std::string, std::string>> facts(const Context& context, c
   if (std::isfinite(worst)) list.emplace_back("largest real part", short_number(worst, 5) + " 1/s");
   if (results.transient) {
     list.emplace_back("simulated in", duration(results.transient->simulation.statistics.seconds));
-    list.emplace_back("worst constraint violation", short_number(results.transient->simulation.statistics.worst_position, 2));
+    list.emplace_back("worst constraint violation",
+                      short_number(results.transient->simulation.statistics.worst_position, 2));
   }
   return list;
 }
@@ -42,11 +44,15 @@ const plot::Figure* find(const StudyFigures& figures, const std::string& name) {
 }  // namespace
 
 Table overlay_table(const Overlay& overlay) {
-  Table table{{"output", "deviation at t = " + short_number(overlay.from) + " s", "largest |linear - simulation|", "relative"}, {}, "lrrr"};
+  Table table{
+      {"output", "deviation at t = " + short_number(overlay.from) + " s", "largest |linear - simulation|", "relative"},
+      {},
+      "lrrr"};
   for (const Overlay::Error& error : overlay.errors) {
     if (error.peak == 0.0 && error.largest == 0.0) continue;  // at rest
     const double relative = error.relative();
-    table.rows.push_back({error.name, with_unit(short_number(error.deviation, 5), error.unit), with_unit(short_number(error.largest, 3), error.unit),
+    table.rows.push_back({error.name, with_unit(short_number(error.deviation, 5), error.unit),
+                          with_unit(short_number(error.largest, 3), error.unit),
                           std::isnan(relative) ? "-" : short_number(100.0 * relative, 4) + " %"});
   }
   return table;
@@ -82,7 +88,8 @@ std::string study_page(const Context& context, const StudyResults& results, cons
     if (const plot::Figure* figure = find(figures, "compare_errors")) report.figure(plot::svg(*figure));
     report.table(comparison_table(*results.comparison));
     if (const plot::Figure* figure = find(figures, "compare_false_zeros")) report.figure(plot::svg(*figure));
-    report.paragraph("False zeros stand for nothing in the machine. Those with a positive real part would be read as an instability.");
+    report.paragraph(
+        "False zeros stand for nothing in the machine. Those with a positive real part would be read as an instability.");
   }
 
   const State& state = results.equilibrium ? results.equilibrium->state : results.linear.state;
@@ -94,7 +101,8 @@ std::string study_page(const Context& context, const StudyResults& results, cons
   report.heading("Sizes");
   report.table(sizes_table(sizes_of(system, &results.linear.partition)));
   return report.html("Bramah " BRAMAH_VERSION ", scene " + context.scene.source.name +
-                     (context.arguments.settings.empty() ? "" : ", with settings of the command line") + ". All numbers in SI.");
+                     (context.arguments.settings.empty() ? "" : ", with settings of the command line") +
+                     ". All numbers in SI.");
 }
 
 }  // namespace bramah

@@ -7,12 +7,14 @@
 
 namespace bramah {
 
-Transient run_transient(const Context& context, const SimulateOptions& options, const State* start, bool show_progress, const Sink& sink) {
+Transient run_transient(const Context& context, const SimulateOptions& options, const State* start, bool show_progress,
+                        const Sink& sink) {
   const System& system = context.system();
   Transient result;
   State own_start;
   if (start == nullptr) {
-    own_start = reference_state(system, context.options(), options.from == SimulateOptions::From::equilibrium, options.from_time);
+    own_start = reference_state(system, context.options(), options.from == SimulateOptions::From::equilibrium,
+                                options.from_time);
     start = &own_start;
   }
   Blocks blocks(system);
@@ -50,13 +52,16 @@ Table statistics_table(const Transient& transient) {
   const SimulationStatistics& s = transient.simulation.statistics;
   Table table{{}, {}, "ll"};
   const auto row = [&](const char* name, std::string value) { table.rows.push_back({name, std::move(value)}); };
-  row("simulated to", short_number(transient.simulation.last.t, 10) + " s" + (transient.interrupted ? ", interrupted" : ""));
+  row("simulated to",
+      short_number(transient.simulation.last.t, 10) + " s" + (transient.interrupted ? ", interrupted" : ""));
   row("steps", std::to_string(s.steps) + " (" + counted(static_cast<std::size_t>(s.restarts), "restart") + ", " +
                    counted(static_cast<std::size_t>(s.error_test_failures), "failed error test") + ", " +
                    counted(static_cast<std::size_t>(s.convergence_failures), "failed Newton iteration") + ")");
   row("Newton iterations", std::to_string(s.newton_iterations));
   row("Jacobians", std::to_string(s.jacobians));
-  const auto violation = [](double value, const std::string& name) { return short_number(value, 2) + (name.empty() ? "" : " in " + name); };
+  const auto violation = [](double value, const std::string& name) {
+    return short_number(value, 2) + (name.empty() ? "" : " in " + name);
+  };
   row("worst constraint violation", violation(s.worst_position, s.worst_position_row));
   row("worst violation of rates", violation(s.worst_velocity, s.worst_velocity_row));
   row("time", duration(s.seconds));

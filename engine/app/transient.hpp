@@ -24,7 +24,8 @@ struct Transient {
 };
 
 /// Simulates from what the scene's "simulate" says; `start` replaces it. Ctrl-C stops after the current step.
-Transient run_transient(const Context& context, const SimulateOptions& options, const State* start, bool show_progress, const Sink& sink);
+Transient run_transient(const Context& context, const SimulateOptions& options, const State* start, bool show_progress,
+                        const Sink& sink);
 
 /// `time,NAME,...` and rows below it.
 std::string csv_header(const std::vector<Measured>& outputs);

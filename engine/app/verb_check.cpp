@@ -44,8 +44,10 @@ std::string document(const Context& context, const Assembly& assembly) {
     json.member("nominal", v.nominal).member("held", is_held).end_object();
   };
   json.key("variables").begin_list();
-  for (std::size_t i = 0; i < system.x.size(); ++i) variable(system.x[i], true, assembly.state.x[i], held(context.options().equilibrium.hold_x, i));
-  for (std::size_t i = 0; i < system.z.size(); ++i) variable(system.z[i], false, assembly.state.z[i], held(context.options().equilibrium.hold_z, i));
+  for (std::size_t i = 0; i < system.x.size(); ++i)
+    variable(system.x[i], true, assembly.state.x[i], held(context.options().equilibrium.hold_x, i));
+  for (std::size_t i = 0; i < system.z.size(); ++i)
+    variable(system.z[i], false, assembly.state.z[i], held(context.options().equilibrium.hold_z, i));
   json.end_list().key("inputs").begin_list();
   for (std::size_t i = 0; i < system.inputs.size(); ++i) {
     json.begin_flat_object().member("name", system.inputs[i].name).member("unit", system.inputs[i].unit);
@@ -70,18 +72,23 @@ std::string document(const Context& context, const Assembly& assembly) {
 
 std::string text(const Context& context, const Assembly& assembly) {
   const System& system = context.system();
-  std::string out = context.scene.source.name + ": the scene is sound: " + counted(system.components.size(), "component") + "\n\n";
+  std::string out =
+      context.scene.source.name + ": the scene is sound: " + counted(system.components.size(), "component") + "\n\n";
   out += as_text(sizes_table(sizes_of(system, assembly.partition ? &*assembly.partition : nullptr)));
   Table variables{{"variable", "unit", "start", "assembled", ""}, {}, "llrr"};
   const auto add = [&](const Variable& v, double assembled, bool is_held) {
-    variables.rows.push_back({v.name, v.unit, short_number(v.start), assembly.failure ? "-" : short_number(assembled), is_held ? "held" : ""});
+    variables.rows.push_back({v.name, v.unit, short_number(v.start), assembly.failure ? "-" : short_number(assembled),
+                              is_held ? "held" : ""});
   };
-  for (std::size_t i = 0; i < system.x.size(); ++i) add(system.x[i], assembly.state.x[i], held(context.options().equilibrium.hold_x, i));
-  for (std::size_t i = 0; i < system.z.size(); ++i) add(system.z[i], assembly.state.z[i], held(context.options().equilibrium.hold_z, i));
+  for (std::size_t i = 0; i < system.x.size(); ++i)
+    add(system.x[i], assembly.state.x[i], held(context.options().equilibrium.hold_x, i));
+  for (std::size_t i = 0; i < system.z.size(); ++i)
+    add(system.z[i], assembly.state.z[i], held(context.options().equilibrium.hold_z, i));
   out += '\n' + as_text(variables);
   Table inputs{{"input", "unit", "value"}, {}, "llr"};
   for (std::size_t i = 0; i < system.inputs.size(); ++i) {
-    inputs.rows.push_back({system.inputs[i].name, system.inputs[i].unit, short_number(assembly.state.z[system.z.size() + i])});
+    inputs.rows.push_back(
+        {system.inputs[i].name, system.inputs[i].unit, short_number(assembly.state.z[system.z.size() + i])});
   }
   Table rows{{"row", "unit", ""}, {}, "ll"};
   std::vector<bool> redundant(system.holonomic.size() + system.nonholonomic.size(), false);

@@ -20,9 +20,11 @@ int describe_units(const Arguments& arguments) {
   Table table{{"unit", "also"}, {}, ""};
   JsonWriter json;
   json.begin_object().key("units").begin_list();
-  for (const char* name : {"1", "m", "m^2", "m^3", "kg", "kg/m^3", "kg.m^2", "s", "Hz", "rad", "rad/s", "rad/s^2", "m/s", "m/s^2",
-                           "N", "N.m", "N/m", "N.s/m", "N.m/rad", "N.m.s/rad", "W", "Pa", "1/Pa", "Pa.s", "m^3/s", "m^3/rad",
-                           "m^3/(s.Pa)", "m^3/(s.Pa^0.5)", "A", "V", "K"}) {
+  for (const char* name : {"1",  "m",    "m^2",  "m^3",   "kg",      "kg/m^3",     "kg.m^2",
+                           "s",  "Hz",   "rad",  "rad/s", "rad/s^2", "m/s",        "m/s^2",
+                           "N",  "N.m",  "N/m",  "N.s/m", "N.m/rad", "N.m.s/rad",  "W",
+                           "Pa", "1/Pa", "Pa.s", "m^3/s", "m^3/rad", "m^3/(s.Pa)", "m^3/(s.Pa^0.5)",
+                           "A",  "V",    "K"}) {
     std::string others = alternatives(*parse_unit(name));
     const std::size_t comma = others.find(", ");
     others = comma == std::string::npos ? "" : others.substr(comma + 2);
@@ -36,7 +38,8 @@ int describe_units(const Arguments& arguments) {
 
 int run(const Arguments& arguments) {
   if (arguments.subject.empty()) {
-    throw Failure::usage("`describe` without a type", "bramah describe TYPE, or bramah describe units", "`bramah list` shows all types");
+    throw Failure::usage("`describe` without a type", "bramah describe TYPE, or bramah describe units",
+                         "`bramah list` shows all types");
   }
   if (arguments.subject == "units") return describe_units(arguments);
   const Catalogue catalogue = load_catalogue();
@@ -49,11 +52,14 @@ int run(const Arguments& arguments) {
   const std::vector<std::string> names = catalogue.registry.type_names();
   for (const std::string& name : names) {
     if (name.substr(name.find('/') + 1) == arguments.subject) {
-      throw Failure::usage("no type \"" + arguments.subject + "\"", "a type with its library", "did you mean \"" + name + "\"?");
+      throw Failure::usage("no type \"" + arguments.subject + "\"", "a type with its library",
+                           "did you mean \"" + name + "\"?");
     }
   }
-  throw Failure::usage("no type \"" + arguments.subject + "\"", "one of: " + quoted_list(names, 40),
-                       suggestion(arguments.subject, names, "`bramah list` shows all types; a new library's folder goes into BRAMAH_PLUGIN_PATH"));
+  throw Failure::usage(
+      "no type \"" + arguments.subject + "\"", "one of: " + quoted_list(names, 40),
+      suggestion(arguments.subject, names,
+                 "`bramah list` shows all types; a new library's folder goes into BRAMAH_PLUGIN_PATH"));
 }
 
 }  // namespace

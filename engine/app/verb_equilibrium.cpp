@@ -15,12 +15,14 @@ int run(const Arguments& arguments) {
   if (!system.inputs.empty()) {
     Table inputs{{"input", "value", "unit"}, {}, "lr"};
     for (std::size_t i = 0; i < system.inputs.size(); ++i) {
-      inputs.rows.push_back({system.inputs[i].name, short_number(equilibrium.state.z[system.z.size() + i], 10), system.inputs[i].unit});
+      inputs.rows.push_back(
+          {system.inputs[i].name, short_number(equilibrium.state.z[system.z.size() + i], 10), system.inputs[i].unit});
     }
     out += '\n' + as_text(inputs);
   }
-  out += "\nfound in " + counted(static_cast<std::size_t>(equilibrium.iterations), "iteration") + ", largest residual " +
-         short_number(equilibrium.residual, 2) + " of its terms\n" + free_directions_text(equilibrium.free_directions) + redundancy_text(equilibrium.redundancy);
+  out += "\nfound in " + counted(static_cast<std::size_t>(equilibrium.iterations), "iteration") +
+         ", largest residual " + short_number(equilibrium.residual, 2) + " of its terms\n" +
+         free_directions_text(equilibrium.free_directions) + redundancy_text(equilibrium.redundancy);
   deliver(arguments, "equilibrium.json", equilibrium_document(system, equilibrium), out);
   return exit_ok;
 }

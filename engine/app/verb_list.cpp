@@ -28,8 +28,10 @@ int run(const Arguments& arguments) {
     json.end_list().end_object();
   }
   json.end_list().key("problems").values(catalogue.problems).end_object();
-  if (out.empty()) out = "no libraries found; set BRAMAH_PLUGIN_PATH to the folder that holds them\n";
-  else out += "\n`bramah describe TYPE` tells ports and parameters of one.\n";
+  if (out.empty())
+    out = "no libraries found; set BRAMAH_PLUGIN_PATH to the folder that holds them\n";
+  else
+    out += "\n`bramah describe TYPE` tells ports and parameters of one.\n";
   deliver(arguments, "list.json", json.take(), out);
   return exit_ok;
 }

@@ -26,6 +26,7 @@ std::vector<double> frequencies_for(const Spectrum& spectrum) {
   const double first = std::log10(slowest / kBeyond), last = std::log10(fastest * kBeyond);
   const int count = 1 + static_cast<int>(std::ceil(kPerDecade * (last - first)));
   std::vector<double> list;
+  list.reserve(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k) list.push_back(std::pow(10.0, first + (last - first) * k / (count - 1)));
   return list;
 }
@@ -35,7 +36,8 @@ int run(const Arguments& arguments) {
   const Linearization linear = linearize(context);
   const LinearModel& model = linear.model;
   if (model.inputs.empty()) {
-    throw AnalysisError("respond", "a scene without inputs", "at least one signal or pressure source", "add a component such as signals/constant and connect it");
+    throw AnalysisError("respond", "a scene without inputs", "at least one signal or pressure source",
+                        "add a component such as signals/constant and connect it");
   }
   const Spectrum spectrum = find_spectrum(model);
   const std::vector<double> frequencies = frequencies_for(spectrum);
@@ -58,20 +60,31 @@ int run(const Arguments& arguments) {
       if (gain[peak] == 0.0) continue;  // this input never reaches this output
       const std::vector<std::complex<double>> zeros = transfer_zeros(model, column, row);
       json.begin_object().member("input", model.inputs[i].name).member("output", model.outputs[o].name);
-      json.member("unit", model.outputs[o].unit + " per " + model.inputs[i].unit).key("gain").values(gain).key("phase_rad").values(phase);
+      json.member("unit", model.outputs[o].unit + " per " + model.inputs[i].unit)
+          .key("gain")
+          .values(gain)
+          .key("phase_rad")
+          .values(phase);
       write_eigenvalues(json, "zeros", zeros);
       json.end_object();
-      table.rows.push_back({model.inputs[i].name, model.outputs[o].name, short_number(gain[peak], 5), short_number(frequencies[peak], 4) + " rad/s",
+      table.rows.push_back({model.inputs[i].name, model.outputs[o].name, short_number(gain[peak], 5),
+                            short_number(frequencies[peak], 4) + " rad/s",
                             short_number(phase[peak] * 180.0 / M_PI, 4) + " deg", std::to_string(zeros.size())});
     }
   }
   json.end_list().key("modes").begin_list();
   for (Eigen::Index k = 0; k < access.controllability.rows(); ++k) {
     const Mode& mode = spectrum.modes[static_cast<std::size_t>(k)];
-    json.begin_object().member("re", mode.eigenvalue.real()).member("im", mode.eigenvalue.imag()).key("controllability").begin_object();
-    for (std::size_t i = 0; i < model.inputs.size(); ++i) json.member(model.inputs[i].name, access.controllability(k, static_cast<Eigen::Index>(i)));
+    json.begin_object()
+        .member("re", mode.eigenvalue.real())
+        .member("im", mode.eigenvalue.imag())
+        .key("controllability")
+        .begin_object();
+    for (std::size_t i = 0; i < model.inputs.size(); ++i)
+      json.member(model.inputs[i].name, access.controllability(k, static_cast<Eigen::Index>(i)));
     json.end_object().key("observability").begin_object();
-    for (std::size_t o = 0; o < model.outputs.size(); ++o) json.member(model.outputs[o].name, access.observability(k, static_cast<Eigen::Index>(o)));
+    for (std::size_t o = 0; o < model.outputs.size(); ++o)
+      json.member(model.outputs[o].name, access.observability(k, static_cast<Eigen::Index>(o)));
     json.end_object().end_object();
   }
   json.end_list().end_object();

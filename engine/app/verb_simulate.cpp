@@ -17,7 +17,8 @@ std::string document(const Context& context, const Transient& transient, const s
   write_statistics(json, transient);
   json.end_object().key("final").begin_object().member("time", transient.last_time);
   const std::vector<Measured>& outputs = context.options().outputs;
-  for (std::size_t k = 0; k < transient.final_values.size(); ++k) json.member(outputs[k].name, transient.final_values[k]);
+  for (std::size_t k = 0; k < transient.final_values.size(); ++k)
+    json.member(outputs[k].name, transient.final_values[k]);
   json.end_object().key("units").begin_object().member("time", "s");
   for (const Measured& output : outputs) json.member(output.name, output.unit);
   json.end_object().key("time_series");
@@ -52,7 +53,8 @@ int run(const Arguments& arguments) {
   if (csv) csv->commit();
   say(as_text(statistics_table(transient), ""));
   if (csv) say("wrote " + file.string() + '\n');
-  if (transient.interrupted) say("interrupted; results up to t = " + short_number(transient.last_time, 10) + " s are kept\n");
+  if (transient.interrupted)
+    say("interrupted; results up to t = " + short_number(transient.last_time, 10) + " s are kept\n");
   if (arguments.json) print(document(context, transient, csv ? file.string() : ""));
   return transient.interrupted ? exit_interrupted : exit_ok;
 }

@@ -46,7 +46,8 @@ SimulateOptions simulate_options(const Context& context, const Spectrum& spectru
   times.insert(times.begin(), from);
   std::erase_if(times, on_grid);
   std::vector<double> merged;
-  std::set_union(times.begin(), times.end(), options.output_times.begin(), options.output_times.end(), std::back_inserter(merged));
+  std::set_union(times.begin(), times.end(), options.output_times.begin(), options.output_times.end(),
+                 std::back_inserter(merged));
   options.output_times = std::move(merged);
   return options;
 }
@@ -69,18 +70,20 @@ void simulate_study(const Context& context, Folder& folder, StudyResults& result
   csv.commit();
   folder.files().emplace_back("time_series.csv");
   if (results.transient->interrupted) {
-    results.remarks.push_back("The simulation was interrupted at t = " + short_number(results.transient->last_time) + " s.");
+    results.remarks.push_back("The simulation was interrupted at t = " + short_number(results.transient->last_time) +
+                              " s.");
   }
 }
 
 void overlay_study(const Context& context, Folder& folder, StudyResults& results) {
   if (results.recording.from.empty()) {
-    results.remarks.push_back("The simulation ends before study.linear_from = " + short_number(context.options().study.linear_from) +
-                              " s: there is no linear overlay.");
+    results.remarks.push_back("The simulation ends before study.linear_from = " +
+                              short_number(context.options().study.linear_from) + " s: there is no linear overlay.");
     return;
   }
   if (!results.linear.at_equilibrium) {
-    results.remarks.emplace_back("The linear model is that of the start state, not of the equilibrium: there is no linear overlay.");
+    results.remarks.emplace_back(
+        "The linear model is that of the start state, not of the equilibrium: there is no linear overlay.");
     return;
   }
   results.overlay = overlay_linear(context, results.linear, results.recording);
@@ -125,8 +128,9 @@ std::string summary(const Context& context, const StudyResults& results, Folder&
 std::string text(const Context& context, const StudyResults& results, const Folder& folder) {
   const Sizes sizes = sizes_of(context.system(), &results.linear.partition);
   std::string out = context.options().study.title.empty() ? context.scene.source.name : context.options().study.title;
-  out += "\n\nLinear model " + std::to_string(sizes.reduced()) + " x " + std::to_string(sizes.reduced()) + ", without the reduction " +
-         std::to_string(sizes.augmented()) + " x " + std::to_string(sizes.augmented()) + "\n";
+  out += "\n\nLinear model " + std::to_string(sizes.reduced()) + " x " + std::to_string(sizes.reduced()) +
+         ", without the reduction " + std::to_string(sizes.augmented()) + " x " + std::to_string(sizes.augmented()) +
+         "\n";
   out += as_text(spectrum_table(results.linear.model, results.spectrum));
   const std::string notes = linear_notes(context.system(), results.linear);
   if (!notes.empty()) out += '\n' + notes;
@@ -134,7 +138,8 @@ std::string text(const Context& context, const StudyResults& results, const Fold
   if (results.overlay) out += "\nLinear model against simulation\n" + as_text(overlay_table(*results.overlay));
   if (results.comparison) out += "\nReduced against augmented\n" + as_text(comparison_table(*results.comparison));
   for (const std::string& remark : results.remarks) out += '\n' + remark + '\n';
-  return out + "\nResults are in " + folder.path().string() + "; open " + (folder.path() / "report.html").string() + '\n';
+  return out + "\nResults are in " + folder.path().string() + "; open " + (folder.path() / "report.html").string() +
+         '\n';
 }
 
 /// A vehicle that rolls on has none, and its scene does not ask for one.
@@ -145,7 +150,8 @@ bool needs_equilibrium(const Options& options) {
 
 int run(const Arguments& arguments) {
   const Context context = load(arguments);
-  Folder folder(arguments.out.empty() ? fs::path("results") / fs::path(arguments.subject).stem() : fs::path(arguments.out));
+  Folder folder(arguments.out.empty() ? fs::path("results") / fs::path(arguments.subject).stem()
+                                      : fs::path(arguments.out));
   StudyResults results;
   if (needs_equilibrium(context.options())) {
     results.equilibrium = find_equilibrium(context.system(), context.options().equilibrium, context.start_time());

@@ -9,9 +9,9 @@ namespace bramah {
 
 struct Verb {
   const char* name;
-  const char* argument;  // "SCENE", "TYPE", or "" where there is none
-  const char* brief;     // for the list of verbs
-  const char* help;      // what it does, an example, what it prints
+  const char* argument;                    // "SCENE", "TYPE", or "" where there is none
+  const char* brief;                       // for the list of verbs
+  const char* help;                        // what it does, an example, what it prints
   int (*run)(const Arguments& arguments);  // the exit code
 };
 

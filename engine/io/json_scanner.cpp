@@ -61,26 +61,13 @@ std::string decoded(std::string_view rest) {
     const char escape = rest[1];
     rest.remove_prefix(2);
     switch (escape) {
-      case 'b':
-        text += '\b';
-        break;
-      case 'f':
-        text += '\f';
-        break;
-      case 'n':
-        text += '\n';
-        break;
-      case 'r':
-        text += '\r';
-        break;
-      case 't':
-        text += '\t';
-        break;
-      case 'u':
-        append_utf8(text, take_code(rest));
-        break;
-      default:
-        text += escape;
+      case 'b': text += '\b'; break;
+      case 'f': text += '\f'; break;
+      case 'n': text += '\n'; break;
+      case 'r': text += '\r'; break;
+      case 't': text += '\t'; break;
+      case 'u': append_utf8(text, take_code(rest)); break;
+      default: text += escape;
     }
   }
   return text;
@@ -128,8 +115,7 @@ JsonScanner::Event JsonScanner::next() {
         key_begin_ = begin;
         return began(Event::key, begin, end);
       }
-      default:
-        return began(Event::value, begin, end_of_scalar(begin));
+      default: return began(Event::value, begin, end_of_scalar(begin));
     }
   }
 }

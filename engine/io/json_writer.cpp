@@ -69,9 +69,7 @@ JsonWriter& JsonWriter::raw(std::string_view text) {
 
 JsonWriter& JsonWriter::null() { return raw("null"); }
 
-JsonWriter& JsonWriter::value(double number) {
-  return std::isfinite(number) ? raw(exact_number(number)) : null();
-}
+JsonWriter& JsonWriter::value(double number) { return std::isfinite(number) ? raw(exact_number(number)) : null(); }
 
 JsonWriter& JsonWriter::value(std::string_view text) {
   separate();

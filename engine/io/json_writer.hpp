@@ -27,8 +27,7 @@ class JsonWriter {
   JsonWriter& value(const char* text) { return value(std::string_view(text)); }
   JsonWriter& null();
   template <class T>
-    requires std::is_integral_v<T>
-  JsonWriter& value(T number) {
+  requires std::is_integral_v<T> JsonWriter& value(T number) {
     if constexpr (std::is_same_v<T, bool>) {
       return raw(number ? "true" : "false");
     } else {

@@ -12,7 +12,14 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "MAT files are written in the byte order of the machine");
 
 // Type and class numbers of the MAT-file format, level 5.
-enum Type : std::uint32_t { type_int8 = 1, type_int32 = 5, type_uint16 = 4, type_uint32 = 6, type_double = 9, type_matrix = 14 };
+enum Type : std::uint32_t {
+  type_int8 = 1,
+  type_int32 = 5,
+  type_uint16 = 4,
+  type_uint32 = 6,
+  type_double = 9,
+  type_matrix = 14
+};
 enum Class : std::uint32_t { class_char = 4, class_double = 6 };
 
 void put32(std::string& out, std::uint32_t value) {
@@ -49,7 +56,8 @@ void put_variable(std::string& out, const MatVariable& variable) {
     }
     put_element(body, type_uint16, letters.data(), 2 * letters.size());
   } else {
-    put_element(body, type_double, variable.matrix.data, sizeof(double) * variable.matrix.rows * variable.matrix.columns);
+    put_element(body, type_double, variable.matrix.data,
+                sizeof(double) * variable.matrix.rows * variable.matrix.columns);
   }
   put32(out, type_matrix);
   put32(out, static_cast<std::uint32_t>(body.size()));
@@ -58,7 +66,8 @@ void put_variable(std::string& out, const MatVariable& variable) {
 
 }  // namespace
 
-std::string csv_of(const DenseView& matrix, const std::vector<std::string>& rows, const std::vector<std::string>& columns) {
+std::string csv_of(const DenseView& matrix, const std::vector<std::string>& rows,
+                   const std::vector<std::string>& columns) {
   std::string out;
   for (const std::string& column : columns) out += "," + column;
   out += '\n';

@@ -14,7 +14,8 @@ struct DenseView {
 };
 
 /// A header row `,COLUMN,...`, then a row `NAME,number,...` for each row of the matrix; 17 digits.
-std::string csv_of(const DenseView& matrix, const std::vector<std::string>& rows, const std::vector<std::string>& columns);
+std::string csv_of(const DenseView& matrix, const std::vector<std::string>& rows,
+                   const std::vector<std::string>& columns);
 
 /// One variable of a MAT file: a matrix of doubles, or a list of names as a character matrix (one row each).
 struct MatVariable {

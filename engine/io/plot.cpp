@@ -11,9 +11,9 @@ namespace bramah::plot {
 namespace {
 
 constexpr double kLeft = 62, kRight = 18, kTop = 34, kBottom = 46;  // margins
-constexpr double kLegendRow = 18;  // on top, where the legend does not fit beside the title
-constexpr double kLetter = 6.2, kTitleLetter = 7.4;                 // mean widths
-constexpr double kKey = 34;                                         // a legend's sample with its gaps
+constexpr double kLegendRow = 18;                    // on top, where the legend does not fit beside the title
+constexpr double kLetter = 6.2, kTitleLetter = 7.4;  // mean widths
+constexpr double kKey = 34;                          // a legend's sample with its gaps
 
 std::string px(double value) {
   std::array<char, 32> text{};
@@ -104,8 +104,8 @@ class Drawing {
             "\" y2=\"" + px(y2) + "\"/>\n";
   }
   void label(const char* kind, double x, double y, const char* anchor, const std::string& content) {
-    out_ += std::string("<text class=\"") + kind + "\" x=\"" + px(x) + "\" y=\"" + px(y) + "\" text-anchor=\"" + anchor +
-            "\">" + escaped(content) + "</text>\n";
+    out_ += std::string("<text class=\"") + kind + "\" x=\"" + px(x) + "\" y=\"" + px(y) + "\" text-anchor=\"" +
+            anchor + "\">" + escaped(content) + "</text>\n";
   }
 
   void grid() {
@@ -126,10 +126,12 @@ class Drawing {
 
   void draw(const Series& series) {
     std::vector<Pixel> run;
-    const bool has_line = series.style == Style::line || series.style == Style::dashes || series.style == Style::line_with_dots;
+    const bool has_line =
+        series.style == Style::line || series.style == Style::dashes || series.style == Style::line_with_dots;
     for (std::size_t i = 0; i <= std::min(series.x.size(), series.y.size()); ++i) {
       const bool inside = i < std::min(series.x.size(), series.y.size());
-      const Pixel p = inside ? Pixel{x_.place(series.x[i]) * width_, height_ - y_.place(series.y[i]) * height_} : Pixel{NAN, NAN};
+      const Pixel p =
+          inside ? Pixel{x_.place(series.x[i]) * width_, height_ - y_.place(series.y[i]) * height_} : Pixel{NAN, NAN};
       if (std::isfinite(p.x) && std::isfinite(p.y)) {
         run.push_back(p);
         continue;
@@ -142,7 +144,8 @@ class Drawing {
 
   void path(const Series& series, const std::vector<Pixel>& run) {
     if (run.size() < 2) return;
-    out_ += "<polyline class=\"line " + colour(series.colour) + (series.style == Style::dashes ? " dashes" : "") + "\" points=\"";
+    out_ += "<polyline class=\"line " + colour(series.colour) + (series.style == Style::dashes ? " dashes" : "") +
+            "\" points=\"";
     for (const Pixel& p : thinned(run, width_)) out_ += px(p.x) + "," + px(p.y) + " ";
     out_.back() = '"';
     out_ += "/>\n";
@@ -154,12 +157,13 @@ class Drawing {
 
   void mark(const Series& series, double x, double y) {
     if (series.style == Style::crosses) {
-      out_ += "<path class=\"line " + colour(series.colour) + "\" d=\"M" + px(x - 4) + " " + px(y - 4) + "l8 8m0 -8l-8 8\"/>\n";
+      out_ += "<path class=\"line " + colour(series.colour) + "\" d=\"M" + px(x - 4) + " " + px(y - 4) +
+              "l8 8m0 -8l-8 8\"/>\n";
       return;
     }
     const bool hollow = series.style == Style::circles;
-    out_ += "<circle class=\"" + std::string(hollow ? "line " : "dot ") + colour(series.colour) + "\" cx=\"" + px(x) + "\" cy=\"" +
-            px(y) + "\" r=\"" + (hollow ? "5.5" : "2.8") + "\"/>\n";
+    out_ += "<circle class=\"" + std::string(hollow ? "line " : "dot ") + colour(series.colour) + "\" cx=\"" + px(x) +
+            "\" cy=\"" + px(y) + "\" r=\"" + (hollow ? "5.5" : "2.8") + "\"/>\n";
   }
 
   void captions() {
@@ -173,8 +177,8 @@ class Drawing {
     for (const Series& series : figure_.series) {
       if (series.name.empty()) continue;
       if (series.style != Style::circles && series.style != Style::crosses && series.style != Style::dots) {
-        out_ += "<path class=\"line " + colour(series.colour) + (series.style == Style::dashes ? " dashes" : "") + "\" d=\"M" +
-                px(left) + " " + px(base - 4) + "h18\"/>\n";
+        out_ += "<path class=\"line " + colour(series.colour) + (series.style == Style::dashes ? " dashes" : "") +
+                "\" d=\"M" + px(left) + " " + px(base - 4) + "h18\"/>\n";
       }
       if (series.style != Style::line && series.style != Style::dashes) mark(series, left + 9, base - 4);
       label("legend", left + 24, base, "start", series.name);

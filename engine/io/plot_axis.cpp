@@ -84,7 +84,8 @@ void PlacedAxis::place_linear_ticks() {
   const double power = std::pow(10.0, std::floor(std::log10(raw)));
   const double ratio = raw / power;
   const double step = power * (ratio < 1.5 ? 1.0 : ratio < 3.5 ? 2.0 : ratio < 7.5 ? 5.0 : 10.0);
-  const auto first = static_cast<long>(std::ceil(low_ / step - 1e-9)), last = static_cast<long>(std::floor(high_ / step + 1e-9));
+  const auto first = static_cast<long>(std::ceil(low_ / step - 1e-9)),
+             last = static_cast<long>(std::floor(high_ / step + 1e-9));
   for (long k = first; k <= last; ++k) {
     const double value = static_cast<double>(k) * step;
     std::string label = short_number(value / axis_.threshold, 6);
@@ -101,7 +102,8 @@ void PlacedAxis::place_log_ticks() {
 
 void PlacedAxis::place_symlog_ticks() {
   const int lowest = floor_log10(axis_.threshold);
-  const int decades_left = static_cast<int>(std::floor(-low_ + 1e-9)), decades_right = static_cast<int>(std::floor(high_ + 1e-9));
+  const int decades_left = static_cast<int>(std::floor(-low_ + 1e-9)),
+            decades_right = static_cast<int>(std::floor(high_ + 1e-9));
   const int stride = 1 + (std::max(decades_left, 0) + std::max(decades_right, 0)) / kMostDecades;
   const auto side = [&](int count, const char* sign, double factor) {
     for (int k = 0; k < count; ++k) {

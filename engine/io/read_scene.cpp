@@ -96,8 +96,7 @@ void check_member(const Member& member, Faults& faults) {
       if (value.text() != nullptr) return;
       faults.push_back(at_value(place, fault("wrong-kind", found, "text", "put it in double quotes")));
       return;
-    case Shape::texts:
-      return check_texts(place, member.key, value, faults);
+    case Shape::texts: return check_texts(place, member.key, value, faults);
     case Shape::object:
       if (value.object() != nullptr) return;
       faults.push_back(at_value(place, fault("wrong-kind", found, "an object", "write it as { \"name\": ... }")));

@@ -73,8 +73,10 @@ void Report::figures(const std::vector<std::string>& svgs) {
 
 std::string Report::html(const std::string& footer) const {
   std::string page = "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
-  page += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" + escaped(title_) + "</title>\n";
-  page += "<style>\n" + plot::style_sheet() + kStyle + "</style>\n</head>\n<body>\n<main>\n<h1>" + escaped(title_) + "</h1>\n";
+  page += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" + escaped(title_) +
+          "</title>\n";
+  page += "<style>\n" + plot::style_sheet() + kStyle + "</style>\n</head>\n<body>\n<main>\n<h1>" + escaped(title_) +
+          "</h1>\n";
   if (!description_.empty()) page += "<p class=\"lead\">" + escaped(description_) + "</p>\n";
   page += body_ + "<footer>" + escaped(footer) + "</footer>\n</main>\n</body>\n</html>\n";
   return page;

@@ -48,8 +48,7 @@ std::string short_number(double value, int digits) {
   if (std::isnan(value)) return "-";
   if (value == 0.0) value = 0.0;  // no minus sign before a zero
   std::array<char, 40> text{};
-  const auto written =
-      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, digits);
+  const auto written = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, digits);
   return {text.data(), written.ptr};
 }
 

@@ -93,8 +93,7 @@ std::string defect(const bramah_type& type, const bramah_terminal_info& terminal
       }
       return terminal.slots == 1 ? "" : "is a signal of several slots";
     }
-    default:
-      return "comes from no known source";
+    default: return "comes from no known source";
   }
 }
 

@@ -21,13 +21,13 @@ struct RedundantRow {
 };
 
 struct Partition {
-  std::vector<Index> ai, ad, d;      // coordinates: independent, admissible dependent, dependent (m' + l' in all: ad, d)
-  std::vector<Index> rows;           // independent constraint rows of [c; b], holonomic ones first
-  Index holonomic = 0;               // how many of `rows` are holonomic
+  std::vector<Index> ai, ad, d;  // coordinates: independent, admissible dependent, dependent (m' + l' in all: ad, d)
+  std::vector<Index> rows;       // independent constraint rows of [c; b], holonomic ones first
+  Index holonomic = 0;           // how many of `rows` are holonomic
   std::vector<RedundantRow> redundant;
-  double smallest_pivot = 1.0;       // of accepted rows, relative to the row
-  double largest_refused = 0.0;      // of redundant rows: the gap between the two decided the rank
-  double growth = 1.0;               // bound of |T| (scaled)
+  double smallest_pivot = 1.0;   // of accepted rows, relative to the row
+  double largest_refused = 0.0;  // of redundant rows: the gap between the two decided the rank
+  double growth = 1.0;           // bound of |T| (scaled)
 };
 
 /// Chooses at `state`. `independent` prescribes x_ai coordinates; AnalysisError where they cannot be independent together.
@@ -35,9 +35,9 @@ Partition choose_partition(const System& system, const State& state, std::span<c
 
 /// Redundant rows that belong together, told in terms of joints.
 struct RedundantSet {
-  std::vector<Index> rows;            // the redundant ones
-  std::vector<Index> components;      // all that take part, in the order of declaration
-  std::string text;                   // "4 mechanics/revolute (O1, C, D, O2): 3 redundant rows O2.x, ...; relax O2 ..."
+  std::vector<Index> rows;        // the redundant ones
+  std::vector<Index> components;  // all that take part, in the order of declaration
+  std::string text;               // "4 mechanics/revolute (O1, C, D, O2): 3 redundant rows O2.x, ...; relax O2 ..."
 };
 std::vector<RedundantSet> describe_redundancy(const System& system, const Partition& partition);
 

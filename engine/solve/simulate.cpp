@@ -78,17 +78,18 @@ class Integration {
     size_ = mu_col + holonomic_;
     const std::span<const Index> all = partition_.rows, first = all.first(static_cast<std::size_t>(holonomic_));
     const Index constraints = system_.m() + system_.l();
-    const std::vector<Index> x = shifted(n, 0), v = shifted(n, v_col), z = shifted(nz_, z_col), f = shifted(n, f_row), g = shifted(nz_, g_row),
-                             r = selected(constraints, all, r_row), c = selected(system_.m(), first, c_row),
-                             lambda = selected(constraints, all, lambda_col), mu = selected(constraints, first, mu_col);
+    const std::vector<Index> x = shifted(n, 0), v = shifted(n, v_col), z = shifted(nz_, z_col), f = shifted(n, f_row),
+                             g = shifted(nz_, g_row), r = selected(constraints, all, r_row),
+                             c = selected(system_.m(), first, c_row), lambda = selected(constraints, all, lambda_col),
+                             mu = selected(constraints, first, mu_col);
     enum : std::size_t { one, cj, minus };
-    const Term terms[] = {{BRAMAH_R_V, mu, x, true, one},
-                          {BRAMAH_F_X, f, x, false, one},   {BRAMAH_L_X, f, x, false, one},   {BRAMAH_F_V, f, v, false, one},
-                          {BRAMAH_F_A, f, v, false, cj},    {BRAMAH_F_Z, f, z, false, one},   {BRAMAH_F_U, f, z, false, one},
-                          {BRAMAH_R_V, lambda, f, true, one},
-                          {BRAMAH_G_X, g, x, false, one},   {BRAMAH_G_V, g, v, false, one},   {BRAMAH_G_Z, g, z, false, one},
-                          {BRAMAH_G_U, g, z, false, one},   {BRAMAH_G_ZDOT, g, z, false, cj},
-                          {BRAMAH_R_X, r, x, false, one},   {BRAMAH_R_V, r, v, false, one},   {BRAMAH_C_X, c, x, false, one}};
+    const Term terms[] = {
+        {BRAMAH_R_V, mu, x, true, one},   {BRAMAH_F_X, f, x, false, one},     {BRAMAH_L_X, f, x, false, one},
+        {BRAMAH_F_V, f, v, false, one},   {BRAMAH_F_A, f, v, false, cj},      {BRAMAH_F_Z, f, z, false, one},
+        {BRAMAH_F_U, f, z, false, one},   {BRAMAH_R_V, lambda, f, true, one}, {BRAMAH_G_X, g, x, false, one},
+        {BRAMAH_G_V, g, v, false, one},   {BRAMAH_G_Z, g, z, false, one},     {BRAMAH_G_U, g, z, false, one},
+        {BRAMAH_G_ZDOT, g, z, false, cj}, {BRAMAH_R_X, r, x, false, one},     {BRAMAH_R_V, r, v, false, one},
+        {BRAMAH_C_X, c, x, false, one}};
     const Diagonal diagonals[] = {{0, 0, n, cj, {}}, {0, v_col, n, minus, {}}};
     jacobian_ = SparsePlan(system_, size_, size_, terms, diagonals);
     const std::vector<Index> C_rows = selected(constraints, first);
@@ -105,7 +106,8 @@ class Integration {
     }
     column_scale_.resize(at(jacobian_.nonzeros()));
     for (Index j = 0; j < size_; ++j) {
-      for (Index e = jacobian_.start()[at(j)]; e < jacobian_.start()[at(j) + 1]; ++e) column_scale_[at(e)] = scale_[at(j)];
+      for (Index e = jacobian_.start()[at(j)]; e < jacobian_.start()[at(j) + 1]; ++e)
+        column_scale_[at(e)] = scale_[at(j)];
     }
     low_.assign(at(2 * n_ + nz_), HUGE_VAL);
     high_.assign(at(2 * n_ + nz_), -HUGE_VAL);
@@ -126,7 +128,9 @@ class Integration {
     linear_solver_->content = this;
     linear_solver_->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; };
     linear_solver_->ops->setup = [](SUNLinearSolver self, SUNMatrix matrix) { return of(self).factor(matrix); };
-    linear_solver_->ops->solve = [](SUNLinearSolver self, SUNMatrix, N_Vector x, N_Vector b, realtype) { return of(self).solve(x, b); };
+    linear_solver_->ops->solve = [](SUNLinearSolver self, SUNMatrix, N_Vector x, N_Vector b, realtype) {
+      return of(self).solve(x, b);
+    };
     linear_solver_->ops->free = [](SUNLinearSolver self) {
       SUNLinSolFreeEmpty(self);
       return 0;
@@ -162,7 +166,8 @@ class Integration {
       state_.z[at(i)] = y[2 * n_ + i] * scale_[at(2 * n_ + i)];
       state_.zdot[at(i)] = yp[2 * n_ + i] * scale_[at(2 * n_ + i)];
     }
-    for (Index i = 0; i < rows_; ++i) state_.lambda[at(partition_.rows[at(i)])] = y[2 * n_ + nz_ + i] * scale_[at(2 * n_ + nz_ + i)];
+    for (Index i = 0; i < rows_; ++i)
+      state_.lambda[at(partition_.rows[at(i)])] = y[2 * n_ + nz_ + i] * scale_[at(2 * n_ + nz_ + i)];
     apply_inputs(system_, state_);
   }
 
@@ -233,7 +238,9 @@ class Integration {
   [[noreturn]] void fail(int flag);
   [[nodiscard]] std::string unknown_name(Index i) const;
   static void check(int flag, const char* what) {
-    if (flag < 0) throw AnalysisError("simulate", std::string(what) + " failed with " + std::to_string(flag), "a working integrator", "this is a fault of the engine");
+    if (flag < 0)
+      throw AnalysisError("simulate", std::string(what) + " failed with " + std::to_string(flag),
+                          "a working integrator", "this is a fault of the engine");
   }
   template <class Function>
   static int guarded(void* self, Function&& function) noexcept {
@@ -257,11 +264,13 @@ class Integration {
   Vector scale_, column_scale_, low_, high_;
   sparse::Klu lu_;
   const Request residual_request_ = Request{}.rows("fgcr").blocks({BRAMAH_R_V});
-  const Request jacobian_request_ = Request{}.blocks({BRAMAH_F_X, BRAMAH_L_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_G_X, BRAMAH_G_V,
-                                                      BRAMAH_G_Z, BRAMAH_G_U, BRAMAH_G_ZDOT, BRAMAH_R_X, BRAMAH_R_V, BRAMAH_C_X});
+  const Request jacobian_request_ =
+      Request{}.blocks({BRAMAH_F_X, BRAMAH_L_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_G_X, BRAMAH_G_V,
+                        BRAMAH_G_Z, BRAMAH_G_U, BRAMAH_G_ZDOT, BRAMAH_R_X, BRAMAH_R_V, BRAMAH_C_X});
   SUNContext context_ = nullptr;
   void* ida_ = nullptr;
-  N_Vector y_ = nullptr, yp_ = nullptr, id_ = nullptr, weights_ = nullptr, errors_ = nullptr, shown_y_ = nullptr, shown_yp_ = nullptr;
+  N_Vector y_ = nullptr, yp_ = nullptr, id_ = nullptr, weights_ = nullptr, errors_ = nullptr, shown_y_ = nullptr,
+           shown_yp_ = nullptr;
   SUNMatrix matrix_ = nullptr;
   SUNLinearSolver linear_solver_ = nullptr;
   double t_ = 0.0, segment_end_ = 0.0;
@@ -298,7 +307,8 @@ void Integration::begin_segment(double t) {
     y[2 * n_ + i] = state_.z[at(i)] / scale_[at(2 * n_ + i)];
     yp[2 * n_ + i] = state_.zdot[at(i)] / scale_[at(2 * n_ + i)];
   }
-  for (Index i = 0; i < rows_; ++i) y[2 * n_ + nz_ + i] = state_.lambda[at(partition_.rows[at(i)])] / scale_[at(2 * n_ + nz_ + i)];
+  for (Index i = 0; i < rows_; ++i)
+    y[2 * n_ + nz_ + i] = state_.lambda[at(partition_.rows[at(i)])] / scale_[at(2 * n_ + nz_ + i)];
 
   if (ida_ == nullptr) {
     ida_ = IDACreate(context_);
@@ -309,7 +319,8 @@ void Integration::begin_segment(double t) {
     check(IDAInit(ida_, residual, t, y_, yp_), "IDAInit");
     check(IDASetUserData(ida_, this), "IDASetUserData");
     // IDA reports through its return flags; its own printing would mix with ours.
-    check(IDASetErrHandlerFn(ida_, [](int, const char*, const char*, char*, void*) {}, nullptr), "IDASetErrHandlerFn");
+    const auto silent = [](int, const char*, const char*, char*, void*) {};
+    check(IDASetErrHandlerFn(ida_, silent, nullptr), "IDASetErrHandlerFn");
     const auto weigh = [](N_Vector yy, N_Vector weight, void* self) {
       return guarded(self, [&](Integration& s) {
         s.error_weights(data(yy), data(weight));
@@ -320,7 +331,8 @@ void Integration::begin_segment(double t) {
     check(IDASetId(ida_, id_), "IDASetId");
     check(IDASetSuppressAlg(ida_, SUNTRUE), "IDASetSuppressAlg");
     check(IDASetLinearSolver(ida_, linear_solver_, matrix_), "IDASetLinearSolver");
-    const auto jacobian = [](double time, double cj, N_Vector yy, N_Vector yyp, N_Vector, SUNMatrix J, void* self, N_Vector, N_Vector, N_Vector) {
+    const auto jacobian = [](double time, double cj, N_Vector yy, N_Vector yyp, N_Vector, SUNMatrix J, void* self,
+                             N_Vector, N_Vector, N_Vector) {
       return guarded(self, [&](Integration& s) { return s.jacobian(time, cj, data(yy), data(yyp), J); });
     };
     check(IDASetJacFn(ida_, jacobian), "IDASetJacFn");
@@ -338,7 +350,8 @@ void Integration::count_statistics() {
   long steps = 0, residuals = 0, setups = 0, error_failures = 0, newton = 0, convergence = 0, jacobians = 0;
   int last_order = 0, order = 0;
   double first = 0.0, last = 0.0, current = 0.0, time = 0.0;
-  IDAGetIntegratorStats(ida_, &steps, &residuals, &setups, &error_failures, &last_order, &order, &first, &last, &current, &time);
+  IDAGetIntegratorStats(ida_, &steps, &residuals, &setups, &error_failures, &last_order, &order, &first, &last,
+                        &current, &time);
   IDAGetNonlinSolvStats(ida_, &newton, &convergence);
   IDAGetNumJacEvals(ida_, &jacobians);
   statistics_.steps += steps;
@@ -368,11 +381,14 @@ void Integration::fail(int flag) {
   }
   std::string why = "the integrator stopped (" + std::to_string(flag) + ")";
   if (flag == IDA_ERR_FAIL) why = "the error test failed again and again";
-  if (flag == IDA_CONV_FAIL || flag == IDA_NLS_SETUP_FAIL || flag == IDA_LSETUP_FAIL) why = "Newton's method did not converge";
+  if (flag == IDA_CONV_FAIL || flag == IDA_NLS_SETUP_FAIL || flag == IDA_LSETUP_FAIL)
+    why = "Newton's method did not converge";
   if (flag == IDA_LSOLVE_FAIL || !singular_.empty()) why += ", the iteration matrix is singular at " + singular_;
   if (!trouble_.empty()) why += "; " + trouble_;
-  throw AnalysisError("simulate", "at t = " + digits(t_) + " s with a step of " + digits(step) + " s " + why + limiting,
-                      "a motion that can be continued", "look at that component just before this time; a mechanism may be passing a singular position, a volume or a length zero");
+  throw AnalysisError(
+      "simulate", "at t = " + digits(t_) + " s with a step of " + digits(step) + " s " + why + limiting,
+      "a motion that can be continued",
+      "look at that component just before this time; a mechanism may be passing a singular position, a volume or a length zero");
 }
 
 /// Output at t within the last step: interpolated, on the constraints, completed.
@@ -396,12 +412,15 @@ Simulation Integration::run(const Observer& observer) {
   while (next_listed < listed.size() && listed[next_listed] <= t_) ++next_listed;
   const auto next_output = [&] {
     double next = next_listed < listed.size() ? listed[next_listed] : HUGE_VAL;
-    if (options_.output_step > 0.0) next = std::min(next, options_.from_time + static_cast<double>(next_grid) * options_.output_step);
+    if (options_.output_step > 0.0)
+      next = std::min(next, options_.from_time + static_cast<double>(next_grid) * options_.output_step);
     return next;
   };
   const auto pass_output = [&](double t) {
     while (next_listed < listed.size() && listed[next_listed] <= t) ++next_listed;
-    while (options_.output_step > 0.0 && options_.from_time + static_cast<double>(next_grid) * options_.output_step <= t) ++next_grid;
+    while (options_.output_step > 0.0 &&
+           options_.from_time + static_cast<double>(next_grid) * options_.output_step <= t)
+      ++next_grid;
   };
   const bool every_step = options_.output_step == 0.0 && listed.empty();
 
@@ -452,8 +471,10 @@ Simulation Integration::run(const Observer& observer) {
 
 }  // namespace
 
-Simulation simulate(const System& system, const SimulateOptions& options, const State& start, const Observer& observer) {
-  if (system.n() + system.nz() == 0) throw AnalysisError("simulate", "a scene without variables", "something that moves or stores", "add components");
+Simulation simulate(const System& system, const SimulateOptions& options, const State& start,
+                    const Observer& observer) {
+  if (system.n() + system.nz() == 0)
+    throw AnalysisError("simulate", "a scene without variables", "something that moves or stores", "add components");
   return Integration(system, options, start).run(observer);
 }
 

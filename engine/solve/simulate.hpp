@@ -17,8 +17,9 @@
 namespace bramah {
 
 struct SimulationStatistics {
-  long steps = 0, residuals = 0, jacobians = 0, newton_iterations = 0, error_test_failures = 0, convergence_failures = 0;
-  long restarts = 0;  // at breakpoints of the inputs
+  long steps = 0, residuals = 0, jacobians = 0, newton_iterations = 0, error_test_failures = 0,
+       convergence_failures = 0;
+  long restarts = 0;                                  // at breakpoints of the inputs
   double worst_position = 0.0, worst_velocity = 0.0;  // constraint rows, over all accepted steps
   std::string worst_position_row, worst_velocity_row;
   double seconds = 0.0;

@@ -21,7 +21,8 @@ std::vector<std::int64_t> colamd_order(const CscView& a) {
   colamd_l_set_defaults(knobs);
   SuiteSparse_long stats[COLAMD_STATS];
   std::vector<std::int64_t> order(static_cast<std::size_t>(a.columns));
-  if (colamd_l(a.rows, a.columns, static_cast<SuiteSparse_long>(length), work.data(), start.data(), knobs, stats) == 0) {
+  if (colamd_l(a.rows, a.columns, static_cast<SuiteSparse_long>(length), work.data(), start.data(), knobs, stats) ==
+      0) {
     std::iota(order.begin(), order.end(), 0);
     return order;
   }
@@ -92,20 +93,24 @@ void RankLu::factor(const CscView& a, const RankLuOptions& options) {
         stack.pop_back();
       }
     }
-    for (std::int64_t e = a.start[column]; e < a.start[column + 1]; ++e) work[static_cast<std::size_t>(a.row[e])] = a.value[e];
+    for (std::int64_t e = a.start[column]; e < a.start[column + 1]; ++e)
+      work[static_cast<std::size_t>(a.row[e])] = a.value[e];
     for (const std::int64_t earlier : std::views::reverse(topological)) {
       const auto k = static_cast<std::size_t>(earlier);
       const double u = work[static_cast<std::size_t>(pivot_rows_[k])];
       if (u == 0.0) continue;
       for (std::int64_t p = l_start_[k]; p < l_start_[k + 1]; ++p) {
-        work[static_cast<std::size_t>(l_row_[static_cast<std::size_t>(p)])] -= u * l_value_[static_cast<std::size_t>(p)];
+        work[static_cast<std::size_t>(l_row_[static_cast<std::size_t>(p)])] -=
+            u * l_value_[static_cast<std::size_t>(p)];
       }
     }
 
     // Pivot: lowest class first, then within the threshold the row that fewest columns still need, then the first.
     std::int64_t pivot = -1;
     double largest = 0.0;
-    const auto class_of = [&](std::int64_t row) { return options.row_class.empty() ? 0 : options.row_class[static_cast<std::size_t>(row)]; };
+    const auto class_of = [&](std::int64_t row) {
+      return options.row_class.empty() ? 0 : options.row_class[static_cast<std::size_t>(row)];
+    };
     int lowest = std::numeric_limits<int>::max();
     for (const std::int64_t row : pattern) {
       const double size = std::abs(work[static_cast<std::size_t>(row)]);
@@ -117,7 +122,8 @@ void RankLu::factor(const CscView& a, const RankLuOptions& options) {
       if (class_of(row) == lowest) candidate = std::max(candidate, std::abs(work[static_cast<std::size_t>(row)]));
     }
     for (const std::int64_t row : pattern) {
-      if (class_of(row) != lowest || std::abs(work[static_cast<std::size_t>(row)]) < options.threshold * candidate) continue;
+      if (class_of(row) != lowest || std::abs(work[static_cast<std::size_t>(row)]) < options.threshold * candidate)
+        continue;
       const auto better = [&](std::int64_t r) { return std::pair{row_count[static_cast<std::size_t>(r)], r}; };
       if (pivot < 0 || better(row) < better(pivot)) pivot = row;
     }
@@ -146,11 +152,14 @@ void RankLu::factor(const CscView& a, const RankLuOptions& options) {
       if (norm > 0.0) largest_refused_ = std::max(largest_refused_, largest / norm);
       dependent_columns_.push_back(column);
       auto& u = dependent_u_.emplace_back();
-      for (const std::int64_t k : topological) u.emplace_back(k, work[static_cast<std::size_t>(pivot_rows_[static_cast<std::size_t>(k)])]);
+      for (const std::int64_t k : topological)
+        u.emplace_back(k, work[static_cast<std::size_t>(pivot_rows_[static_cast<std::size_t>(k)])]);
     }
-    for (std::int64_t e = a.start[column]; e < a.start[column + 1]; ++e) --row_count[static_cast<std::size_t>(a.row[e])];
+    for (std::int64_t e = a.start[column]; e < a.start[column + 1]; ++e)
+      --row_count[static_cast<std::size_t>(a.row[e])];
     for (const std::int64_t row : pattern) work[static_cast<std::size_t>(row)] = 0.0;
-    for (const std::int64_t k : topological) work[static_cast<std::size_t>(pivot_rows_[static_cast<std::size_t>(k)])] = 0.0;
+    for (const std::int64_t k : topological)
+      work[static_cast<std::size_t>(pivot_rows_[static_cast<std::size_t>(k)])] = 0.0;
   }
 }
 
@@ -168,7 +177,8 @@ std::vector<double> RankLu::dependency(std::size_t dependent) const {
     if (c[k] == 0.0) continue;
     c[k] /= diagonal_[k];
     for (std::int64_t p = u_start_[k]; p < u_start_[k + 1]; ++p) {
-      c[static_cast<std::size_t>(u_position_[static_cast<std::size_t>(p)])] -= u_value_[static_cast<std::size_t>(p)] * c[k];
+      c[static_cast<std::size_t>(u_position_[static_cast<std::size_t>(p)])] -=
+          u_value_[static_cast<std::size_t>(p)] * c[k];
     }
   }
   return c;
@@ -202,7 +212,8 @@ void RankLu::solve_transposed(std::span<const double> c, std::span<double> y) co
   for (std::size_t k = 0; k < rank; ++k) {  // U^T w = c
     double sum = c[static_cast<std::size_t>(pivot_columns_[k])];
     for (std::int64_t p = u_start_[k]; p < u_start_[k + 1]; ++p) {
-      sum -= u_value_[static_cast<std::size_t>(p)] * w[static_cast<std::size_t>(u_position_[static_cast<std::size_t>(p)])];
+      sum -=
+          u_value_[static_cast<std::size_t>(p)] * w[static_cast<std::size_t>(u_position_[static_cast<std::size_t>(p)])];
     }
     w[k] = sum / diagonal_[k];
   }

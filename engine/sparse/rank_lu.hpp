@@ -17,10 +17,10 @@
 namespace bramah::sparse {
 
 struct RankLuOptions {
-  double threshold = 0.5;            // a pivot is at least this part of the largest candidate
-  double rank_tolerance = 1e-9;      // relative to the column's own norm: below it, the column is dependent
-  std::span<const std::int64_t> order;   // columns in the order of elimination; empty: COLAMD
-  std::span<const int> row_class;        // rows of a higher class are pivots only where no lower class serves
+  double threshold = 0.5;               // a pivot is at least this part of the largest candidate
+  double rank_tolerance = 1e-9;         // relative to the column's own norm: below it, the column is dependent
+  std::span<const std::int64_t> order;  // columns in the order of elimination; empty: COLAMD
+  std::span<const int> row_class;       // rows of a higher class are pivots only where no lower class serves
 };
 
 class RankLu {

@@ -16,8 +16,13 @@ RowFamily row_family(int block) {
 
 ColumnFamily column_family(int block) {
   switch (block) {
-    case BRAMAH_F_Z: case BRAMAH_G_Z: case BRAMAH_G_ZDOT: case BRAMAH_Y_Z: return ColumnFamily::z;
-    case BRAMAH_F_U: case BRAMAH_G_U: case BRAMAH_Y_U: return ColumnFamily::u;
+    case BRAMAH_F_Z:
+    case BRAMAH_G_Z:
+    case BRAMAH_G_ZDOT:
+    case BRAMAH_Y_Z: return ColumnFamily::z;
+    case BRAMAH_F_U:
+    case BRAMAH_G_U:
+    case BRAMAH_Y_U: return ColumnFamily::u;
     case BRAMAH_Y_LAMBDA: return ColumnFamily::lambda;
     default: return ColumnFamily::x;
   }
@@ -64,7 +69,8 @@ void Blocks::gather(const Group& group, const State& state, Index first, Index c
   const bramah_type& type = *group.type;
   const auto copy = [&](const Vector& from, const std::vector<std::int32_t>& map, std::int32_t slots, Vector& to) {
     const std::int32_t* position = map.data() + first * slots;
-    for (Index k = 0; k < count * slots; ++k) to[static_cast<std::size_t>(k)] = from[static_cast<std::size_t>(position[k])];
+    for (Index k = 0; k < count * slots; ++k)
+      to[static_cast<std::size_t>(k)] = from[static_cast<std::size_t>(position[k])];
   };
   copy(state.x, group.x, type.nx, lx_);
   copy(state.v, group.x, type.nx, lv_);
@@ -78,13 +84,18 @@ void Blocks::gather(const Group& group, const State& state, Index first, Index c
   for (Index i = first; i < first + count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     for (Index j = 0; j < mh; ++j) *lambda++ = state.lambda[static_cast<std::size_t>(group.first_holonomic[k] + j)];
-    for (Index j = 0; j < ml; ++j) *lambda++ = state.lambda[static_cast<std::size_t>(m + group.first_nonholonomic[k] + j)];
+    for (Index j = 0; j < ml; ++j)
+      *lambda++ = state.lambda[static_cast<std::size_t>(m + group.first_nonholonomic[k] + j)];
   }
 }
 
 Outcome Blocks::evaluate(const System& system, const State& state, const Request& request) {
-  for (auto [wanted, rows] : {std::pair{request.f, &f}, {request.g, &g}, {request.c, &c}, {request.r, &r},
-                              {request.s, &s}, {request.y, &y}}) {
+  for (auto [wanted, rows] : {std::pair{request.f, &f},
+                              {request.g, &g},
+                              {request.c, &c},
+                              {request.r, &r},
+                              {request.s, &s},
+                              {request.y, &y}}) {
     if (wanted) std::fill(rows->begin(), rows->end(), 0.0);
   }
   const Index n = system.n(), nz = system.nz(), m = system.m();
@@ -98,7 +109,8 @@ Outcome Blocks::evaluate(const System& system, const State& state, const Request
     for (int b = 0; b < BRAMAH_BLOCKS; ++b) {
       const auto block = static_cast<std::size_t>(b);
       wanted[block] = wanted[block] && group.pattern_views[block].count > 0;
-      if (wanted[block]) partials_[k][block].resize(static_cast<std::size_t>(group.count * group.pattern_views[block].count));
+      if (wanted[block])
+        partials_[k][block].resize(static_cast<std::size_t>(group.count * group.pattern_views[block].count));
     }
     bramah_batch batch{};
     batch.size = sizeof batch;
@@ -168,7 +180,8 @@ Outcome Blocks::evaluate(const System& system, const State& state, const Request
           if (batch.s != nullptr) s[row] = ls_[static_cast<std::size_t>(i * rows + mh + j)];
         }
         for (Index j = 0; batch.y != nullptr && j < type.output_count; ++j) {
-          y[static_cast<std::size_t>(group.first_output[instance] + j)] = ly_[static_cast<std::size_t>(i * type.output_count + j)];
+          y[static_cast<std::size_t>(group.first_output[instance] + j)] =
+              ly_[static_cast<std::size_t>(i * type.output_count + j)];
         }
       }
     }
@@ -247,7 +260,8 @@ class GlobalIndex {
     const Index i = g.x[instance * static_cast<std::size_t>(g.type->nx) + static_cast<std::size_t>(local)];
     return i < n_ ? i : -1;
   }
-  [[nodiscard]] Index of_zu(const std::vector<std::int32_t>& map, Index slots, std::size_t instance, Index local) const {
+  [[nodiscard]] Index of_zu(const std::vector<std::int32_t>& map, Index slots, std::size_t instance,
+                            Index local) const {
     const Index i = map[instance * static_cast<std::size_t>(slots) + static_cast<std::size_t>(local)];
     return i < zu_ ? i : -1;
   }
@@ -302,7 +316,8 @@ SparsePlan::SparsePlan(const System& system, Index rows, Index columns, std::spa
   for (const Diagonal& d : diagonals) {
     std::vector<Place> list;
     for (Index i = 0; i < d.count; ++i) list.push_back({d.row + i, d.column + i});
-    fixed_.push_back({d.weight, {}, d.scale.empty() ? std::vector<double>(static_cast<std::size_t>(d.count), 1.0) : d.scale});
+    fixed_.push_back(
+        {d.weight, {}, d.scale.empty() ? std::vector<double>(static_cast<std::size_t>(d.count), 1.0) : d.scale});
     fixed.push_back(std::move(list));
   }
 

@@ -45,7 +45,9 @@ class Blocks {
 
   Vector f, g, c, r, s, y;  // (n), (nz), (m), (m+l), (m+l), (ny)
   /// Entries of block `block` of group `group`.
-  [[nodiscard]] std::span<const double> block(std::size_t group, int block) const { return partials_[group][static_cast<std::size_t>(block)]; }
+  [[nodiscard]] std::span<const double> block(std::size_t group, int block) const {
+    return partials_[group][static_cast<std::size_t>(block)];
+  }
 
   /// Evaluates `request` at `state`. A value that is not finite is recoverable and named in the outcome.
   Outcome evaluate(const System& system, const State& state, const Request& request);

@@ -178,12 +178,9 @@ Index Compiler::resolve(const Draft& draft, const bramah_port_info& port, const 
   }
   check_units(port, *chosen, other, where);
   switch (chosen->source) {
-    case BRAMAH_CONSTANT:
-      return constants_of(other, port.family) + chosen->first;
-    case BRAMAH_SIGNAL:
-      return system().nz() + other.input;
-    default:
-      return (chosen->family == BRAMAH_X ? other.first_x : other.first_z) + chosen->first;
+    case BRAMAH_CONSTANT: return constants_of(other, port.family) + chosen->first;
+    case BRAMAH_SIGNAL: return system().nz() + other.input;
+    default: return (chosen->family == BRAMAH_X ? other.first_x : other.first_z) + chosen->first;
   }
 }
 

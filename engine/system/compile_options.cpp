@@ -266,7 +266,7 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
 
   LinearizeOptions& linearize = options.linearize;
   linearize.asked = root.find("linearize") != nullptr;
-  reader.section(root, "linearize", {"at", "independent", "side"},
+  reader.section(root, "linearize", {"at", "independent", "side", "times"},
                  [&](const std::string& key, const Value& value, const std::string& where) {
                    if (key == "at") {
                      reader.word<LinearizeOptions::At>(
@@ -275,10 +275,18 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
                          linearize.at);
                    } else if (key == "independent") {
                      reader.variables(value, where, linearize.independent, nullptr);
+                   } else if (key == "times") {
+                     reader.numbers(value, where, "s", linearize.times);
                    } else {
                      reader.word<int>(value, where, {{"+", 1}, {"-", -1}}, linearize.side);
                    }
                  });
+  const auto outside = [&](double t) { return t < simulate.from_time || t > simulate.to_time; };
+  if (!std::is_sorted(linearize.times.begin(), linearize.times.end()) ||
+      std::any_of(linearize.times.begin(), linearize.times.end(), outside)) {
+    faults.add("out-of-range", "/linearize/times", "\"times\" that go back or leave the simulation",
+               "ascending times between from_time and to_time of \"simulate\"", "sort them, or simulate longer");
+  }
 
   reader.section(root, "compare", {"steps"}, [&](const std::string&, const Value& value, const std::string& where) {
     reader.numbers(value, where, "1", options.compare.steps);

@@ -178,8 +178,7 @@ void Compiler::read_parameter(Draft& draft, const bramah_parameter_info& info, s
         draft.sound = false;
       }
       return;
-    default:
-      break;
+    default: break;
   }
   if (value->list() == nullptr) {
     faults_.add("wrong-kind", where, named(where) + " is " + description(*value), list_of(info, unit),

@@ -13,28 +13,19 @@ void Compiler::make_patterns() {
     const Index mh = type.holonomic_count, rows = mh + type.nonholonomic_count;
     const auto row_count = [&](int block) -> Index {
       switch (row_family(block)) {
-        case RowFamily::force:
-          return type.nx;
-        case RowFamily::storage:
-          return type.nz;
-        case RowFamily::holonomic:
-          return mh;
-        case RowFamily::constraint:
-          return rows;
-        default:
-          return type.output_count;
+        case RowFamily::force: return type.nx;
+        case RowFamily::storage: return type.nz;
+        case RowFamily::holonomic: return mh;
+        case RowFamily::constraint: return rows;
+        default: return type.output_count;
       }
     };
     const auto column_count = [&](int block) -> Index {
       switch (column_family(block)) {
-        case ColumnFamily::x:
-          return type.nx;
-        case ColumnFamily::z:
-          return type.nz;
-        case ColumnFamily::u:
-          return type.nu;
-        default:
-          return rows;
+        case ColumnFamily::x: return type.nx;
+        case ColumnFamily::z: return type.nz;
+        case ColumnFamily::u: return type.nu;
+        default: return rows;
       }
     };
     std::array<std::vector<std::uint8_t>, BRAMAH_BLOCKS> marks;

@@ -6,10 +6,12 @@
 
 namespace bramah {
 
-void measure(const System& system, const State& state, std::span<const Measured> columns, Blocks& blocks, Vector& values) {
+void measure(const System& system, const State& state, std::span<const Measured> columns, Blocks& blocks,
+             Vector& values) {
   if (std::any_of(columns.begin(), columns.end(), [](const Measured& m) { return m.kind == Measured::Kind::y; })) {
     const Outcome outcome = blocks.evaluate(system, state, Request{}.rows("y"));
-    if (!outcome.ok()) throw AnalysisError("outputs", outcome.message, "finite outputs", "take the output out of the scene");
+    if (!outcome.ok())
+      throw AnalysisError("outputs", outcome.message, "finite outputs", "take the output out of the scene");
   }
   values.resize(columns.size());
   for (std::size_t k = 0; k < columns.size(); ++k) {

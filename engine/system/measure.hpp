@@ -9,6 +9,7 @@
 namespace bramah {
 
 /// Values of `columns` at `state`; component outputs are evaluated into `blocks`.
-void measure(const System& system, const State& state, std::span<const Measured> columns, Blocks& blocks, Vector& values);
+void measure(const System& system, const State& state, std::span<const Measured> columns, Blocks& blocks,
+             Vector& values);
 
 }  // namespace bramah

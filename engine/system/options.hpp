@@ -27,10 +27,10 @@ struct SimulateOptions {
   From from = From::start;
   bool asked = false;  // the scene has a section "simulate"
   double from_time = 0.0, to_time = 1.0;
-  double output_step = 0.0;           // 0: every accepted step
-  std::vector<double> output_times;   // additional, ascending
-  double rel_tol = 1e-9;              // of each variable's own motion, see simulate.cpp
-  double max_step = 0.0;              // 0: no limit
+  double output_step = 0.0;          // 0: every accepted step
+  std::vector<double> output_times;  // additional, ascending
+  double rel_tol = 1e-9;             // of each variable's own motion, see simulate.cpp
+  double max_step = 0.0;             // 0: no limit
 };
 
 struct LinearizeOptions {
@@ -39,6 +39,7 @@ struct LinearizeOptions {
   bool asked = false;
   std::vector<Index> independent;  // prescribed x_ai; empty: chosen
   int side = 1;                    // one-sided derivatives at switching points
+  std::vector<double> times;       // along the simulation, ascending; empty: only the reference state
 };
 
 struct StudyOptions {

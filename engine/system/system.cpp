@@ -8,7 +8,7 @@ namespace bramah {
 
 Instances::Instances(const bramah_type& type, Index count)
     : type_(&type),
-      memory_(static_cast<unsigned char*>(::operator new(type.instance_bytes * static_cast<std::size_t>(count),
+      memory_(static_cast<unsigned char*>(::operator new(type.instance_bytes* static_cast<std::size_t>(count),
                                                          std::align_val_t(type.instance_align)))) {}
 
 Instances::Instances(Instances&& other) noexcept
@@ -41,7 +41,7 @@ std::string System::multiplier_unit(Index i) const {
   const std::string& unit = constraint(i).unit;
   if (unit == "m") return "N";
   if (unit == "rad") return "N.m";
-  if (unit == "m/s") return "N";    // b is linear in v, so its multiplier is a force, too
+  if (unit == "m/s") return "N";  // b is linear in v, so its multiplier is a force, too
   if (unit == "1") return "N.m";
   return "J/(" + unit + ")";
 }

@@ -26,9 +26,9 @@ using Vector = std::vector<double>;
 struct Variable {
   std::string name;  // "crank.angle"
   std::string unit;
-  std::string kind;     // what ports see: "frame", "coordinate", "pressure", "spool"
+  std::string kind;  // what ports see: "frame", "coordinate", "pressure", "spool"
   double nominal = 1.0;
-  double start = 0.0, start_rate = 0.0;  // rate: coordinates only
+  double start = 0.0, start_rate = 0.0;                // rate: coordinates only
   bool start_given = false, start_rate_given = false;  // by the scene's "start"
   Index component = 0;
 };
@@ -86,7 +86,7 @@ struct Group {
   std::vector<Index> component;  // (count)
   // Positions of local variables in State's vectors, instance after instance. Beyond n (for x) or nz + nu (for z and u)
   // they point to constants: ground, unconnected ports.
-  std::vector<std::int32_t> x, z, u;  // (count x nx), (count x nz), (count x nu)
+  std::vector<std::int32_t> x, z, u;                                     // (count x nx), (count x nz), (count x nu)
   std::vector<Index> first_holonomic, first_nonholonomic, first_output;  // (count), global rows
   std::array<BlockPattern, BRAMAH_BLOCKS> patterns;
   std::array<bramah_pattern, BRAMAH_BLOCKS> pattern_views{};  // what evaluate sees
@@ -128,10 +128,10 @@ class System {
 /// A point in time: everything that the rows depend on. Cheap to copy.
 struct State {
   double t = 0.0;
-  int side = 1;         // of input jumps and switching points: +1 after, -1 before
-  Vector x, v, a;       // (n + constants); constants have v = a = 0
-  Vector z, zdot;       // (nz + nu + constants): variables, inputs, constants
-  Vector lambda;        // (m + l)
+  int side = 1;    // of input jumps and switching points: +1 after, -1 before
+  Vector x, v, a;  // (n + constants); constants have v = a = 0
+  Vector z, zdot;  // (nz + nu + constants): variables, inputs, constants
+  Vector lambda;   // (m + l)
 };
 
 /// The state of the start values at time t, with inputs taken from their signals.

@@ -49,8 +49,8 @@ class Cli : public testing::Test {
   /// `arguments` as a shell would read them.
   [[nodiscard]] Ended bramah(const std::string& arguments) const {
     const fs::path out = folder_ / "stdout.txt", err = folder_ / "stderr.txt";
-    const std::string command = "cd '" + folder_.string() + "' && '" BRAMAH_BINARY_DIR "/bin/bramah' " + arguments + " >'" +
-                                out.string() + "' 2>'" + err.string() + "'";
+    const std::string command = "cd '" + folder_.string() + "' && '" BRAMAH_BINARY_DIR "/bin/bramah' " + arguments +
+                                " >'" + out.string() + "' 2>'" + err.string() + "'";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(out), contents(err)};
   }
@@ -79,7 +79,8 @@ class Cli : public testing::Test {
 TEST_F(Cli, HelpNamesEveryVerbAndExitCode) {
   const Ended run = bramah("--help");
   EXPECT_EQ(run.code, 0);
-  for (const char* verb : {"check", "list", "describe", "equilibrium", "simulate", "linearize", "modes", "compare", "study"}) {
+  for (const char* verb :
+       {"check", "list", "describe", "equilibrium", "simulate", "linearize", "modes", "compare", "study"}) {
     EXPECT_THAT(run.out, HasSubstr(std::string("\n  ") + verb + " "));
     const Ended help = bramah(std::string(verb) + " --help");
     EXPECT_EQ(help.code, 0);
@@ -90,7 +91,9 @@ TEST_F(Cli, HelpNamesEveryVerbAndExitCode) {
   EXPECT_EQ(run.err, "");
 }
 
-TEST_F(Cli, VersionIsOneLine) { EXPECT_THAT(bramah("--version").out, testing::MatchesRegex("bramah [0-9]+\\.[0-9]+\\.[0-9]+\n")); }
+TEST_F(Cli, VersionIsOneLine) {
+  EXPECT_THAT(bramah("--version").out, testing::MatchesRegex("bramah [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
 
 TEST_F(Cli, UsageErrorsSuggestAndExitWithThree) {
   const std::vector<std::pair<std::string, std::string>> cases = {
@@ -118,7 +121,8 @@ TEST_F(Cli, UsageErrorsSuggestAndExitWithThree) {
 
 TEST_F(Cli, CheckCountsAndLists) {
   const json d = document("check " + scene_);
-  EXPECT_EQ(d.at("sizes"), json::parse(R"({"n": 10, "m": 9, "l": 0, "r": 3, "u": 1, "redundant": 0, "reduced": 6, "augmented": 24})"));
+  EXPECT_EQ(d.at("sizes"),
+            json::parse(R"({"n": 10, "m": 9, "l": 0, "r": 3, "u": 1, "redundant": 0, "reduced": 6, "augmented": 24})"));
   EXPECT_EQ(d.at("variables").size(), 14U);
   EXPECT_EQ(d.at("holonomic_rows").size(), 9U);
   EXPECT_EQ(d.at("inputs").size(), 4U);
@@ -132,7 +136,8 @@ TEST_F(Cli, ListAndDescribeNeedNoScene) {
   for (const json& library : list.at("libraries")) {
     for (const json& type : library.at("types")) types.push_back(type.at("type"));
   }
-  EXPECT_THAT(types, testing::IsSupersetOf({"hydraulics/throttle", "mechanics/planar_body", "friction/brown_mcphee", "signals/table"}));
+  EXPECT_THAT(types, testing::IsSupersetOf(
+                         {"hydraulics/throttle", "mechanics/planar_body", "friction/brown_mcphee", "signals/table"}));
   for (const std::string& type : types) {
     EXPECT_EQ(document("describe " + type).at("type"), type);
     EXPECT_THAT(bramah("describe " + type).out, HasSubstr("\"type\": \"" + type + "\""));
@@ -157,13 +162,29 @@ TEST_F(Cli, EquilibriumReportsFreeDirections) {
   EXPECT_TRUE(directions[0].contains("V3.p"));
 }
 
+TEST_F(Cli, LinearizeAlongASimulation) {
+  write_changed("along.json", R"("side": "+" })", R"("side": "+", "times": [0, 1.5, 1.502, 3] })");
+  const json d = document("linearize along.json");
+  ASSERT_EQ(d.at("models").size(), 4U);
+  // At rest it is the model of the equilibrium; in motion it is another.
+  const json rest = document("linearize " + scene_);
+  EXPECT_EQ(d.at("states"), rest.at("states"));
+  const auto entry = [](const json& matrix, std::size_t i, std::size_t j) { return matrix[i][j].get<double>(); };
+  EXPECT_NEAR(entry(d.at("models")[0].at("A"), 1, 1), entry(rest.at("A"), 1, 1), 1e-9);
+  EXPECT_EQ(d.at("models")[2].at("time"), 1.502);
+  EXPECT_GT(std::abs(entry(d.at("models")[2].at("A"), 1, 1) - entry(rest.at("A"), 1, 1)), 1.0);
+  write_changed("outside.json", R"("side": "+" })", R"("side": "+", "times": [4] })");
+  EXPECT_THAT(bramah("linearize outside.json").err, HasSubstr("/linearize/times"));
+}
+
 TEST_F(Cli, LinearizeHasNamesAndMatrices) {
   const json d = document("linearize " + scene_);
   EXPECT_EQ(d.at("states"), json::parse(R"(["crank.angle", "crank.angle.rate", "V1.p", "V2.p", "V3.p", "valve.U"])"));
   EXPECT_EQ(d.at("sizes").at("reduced"), 6);
   const auto rows = d.at("outputs").size();
-  for (const auto& [name, height, width] : {std::tuple("A", std::size_t{6}, std::size_t{6}), std::tuple("B", std::size_t{6}, std::size_t{4}),
-                                            std::tuple("C", rows, std::size_t{6}), std::tuple("D", rows, std::size_t{4})}) {
+  for (const auto& [name, height, width] :
+       {std::tuple("A", std::size_t{6}, std::size_t{6}), std::tuple("B", std::size_t{6}, std::size_t{4}),
+        std::tuple("C", rows, std::size_t{6}), std::tuple("D", rows, std::size_t{4})}) {
     ASSERT_EQ(d.at(name).size(), height) << name;
     for (const json& row : d.at(name)) EXPECT_EQ(row.size(), width) << name;
   }
@@ -221,13 +242,15 @@ TEST_F(Cli, SimulateStreamsCsvOrWritesAFile) {
 
 TEST_F(Cli, OutputsOfTheSceneAreTheColumns) {
   write_changed("few.json", R"("study":)", R"("outputs": ["V3.p", "crank.angle.rate", "torque"], "study":)");
-  EXPECT_THAT(bramah("simulate few.json --set simulate.to_time=0.01").out, testing::StartsWith("time,V3.p,crank.angle.rate,torque\n0,3500000,0,0\n"));
+  EXPECT_THAT(bramah("simulate few.json --set simulate.to_time=0.01").out,
+              testing::StartsWith("time,V3.p,crank.angle.rate,torque\n0,3500000,0,0\n"));
 }
 
 TEST_F(Cli, InterruptKeepsWhatThereIs) {
-  const std::string command = "sh -c 'timeout -s INT 1 " BRAMAH_BINARY_DIR "/bin/bramah simulate " BRAMAH_SOURCE_DIR
-                              "/scenes/four_bar/underdamped_low_friction.json --set simulate.to_time=1e6 --set simulate.max_step=1e-5 --out " +
-                              folder_.string() + "/out >/dev/null 2>" + folder_.string() + "/err; echo $? >" + folder_.string() + "/code'";
+  const std::string command =
+      "sh -c 'timeout -s INT 1 " BRAMAH_BINARY_DIR "/bin/bramah simulate " BRAMAH_SOURCE_DIR
+      "/scenes/four_bar/underdamped_low_friction.json --set simulate.to_time=1e6 --set simulate.max_step=1e-5 --out " +
+      folder_.string() + "/out >/dev/null 2>" + folder_.string() + "/err; echo $? >" + folder_.string() + "/code'";
   ASSERT_EQ(std::system(command.c_str()), 0);
   EXPECT_THAT(contents(folder_ / "err"), HasSubstr("interrupted; results up to t = "));
   EXPECT_THAT(contents(folder_ / "out/time_series.csv"), testing::EndsWith("\n"));
@@ -239,25 +262,29 @@ TEST_F(Cli, InterruptKeepsWhatThereIs) {
 TEST_F(Cli, StudyWritesAWholeFolder) {
   write_changed("all.json", R"("compare": {})", R"("compare": { "steps": [1e-5] })");
   const json d = document("study all.json --out results");
-  for (const char* file : {"equilibrium.json", "linear_model.json", "spectrum.json", "time_series.csv", "linear_response.csv", "compare.json",
-                           "report.html", "summary.json", "transient.svg", "spectrum.svg", "compare_errors.svg", "compare_false_zeros.svg"}) {
+  for (const char* file : {"equilibrium.json", "linear_model.json", "spectrum.json", "time_series.csv",
+                           "linear_response.csv", "compare.json", "report.html", "summary.json", "transient.svg",
+                           "spectrum.svg", "compare_errors.svg", "compare_false_zeros.svg"}) {
     EXPECT_GT(fs::file_size(folder_ / "results" / file), 100U) << file;
     EXPECT_THAT(d.at("files").get<std::vector<std::string>>(), testing::Contains(file));
     if (fs::path(file).extension() == ".json") {
       EXPECT_TRUE(json::accept(contents(folder_ / "results" / file))) << file;
     }
   }
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_ / "results")) EXPECT_NE(entry.path().extension(), ".part");
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_ / "results"))
+    EXPECT_NE(entry.path().extension(), ".part");
   EXPECT_EQ(contents(folder_ / "results/equilibrium.json"), bramah("equilibrium " + scene_ + " --json").out);
   EXPECT_NEAR(d.at("overlay").at("errors").at("crank.angle").at("relative").get<double>(), 3.4246e-2, 2e-4);
   const std::string page = contents(folder_ / "results/report.html");
   EXPECT_THAT(page, HasSubstr("Hydraulic four-bar, overdamped"));
-  for (const char* foreign : {"<script", "<link", "src=", "@import", "url("}) EXPECT_THAT(page, Not(HasSubstr(foreign)));
+  for (const char* foreign : {"<script", "<link", "src=", "@import", "url("})
+    EXPECT_THAT(page, Not(HasSubstr(foreign)));
 }
 
 TEST_F(Cli, StudyDoesOnlyWhatTheSceneAsksFor) {
   write_changed("plain.json", R"("study": { "linear_from": 1.5 },
-  "compare": {})", R"("study": {})");
+  "compare": {})",
+                R"("study": {})");
   const Ended run = bramah("study plain.json");
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_TRUE(fs::exists(folder_ / "results/plain/report.html"));
@@ -288,7 +315,8 @@ TEST_F(Cli, WrongSceneTellsEverythingAndExitsWithTwo) {
   const json d = document("check wrong.json", 2).at("error");
   EXPECT_GE(d.at("diagnostics").size(), 2U);
   const json& first = d.at("diagnostics").at(0);
-  for (const char* key : {"file", "line", "column", "pointer", "found", "expected", "remedy"}) EXPECT_TRUE(first.contains(key)) << key;
+  for (const char* key : {"file", "line", "column", "pointer", "found", "expected", "remedy"})
+    EXPECT_TRUE(first.contains(key)) << key;
   EXPECT_EQ(first.at("file"), "wrong.json");
   EXPECT_GT(first.at("line").get<int>(), 1);
   EXPECT_THAT(bramah("check missing.json").err, HasSubstr("no such file"));
@@ -335,7 +363,10 @@ TEST_F(Cli, FullDiskLeavesNoHalfFile) {
   EXPECT_EQ(run.code, 4);
   EXPECT_THAT(run.err, HasSubstr("No space left"));
   EXPECT_EQ(contents(folder_ / "full/time_series.csv"), "old\n");
-  EXPECT_EQ(std::system(("'" BRAMAH_BINARY_DIR "/bin/bramah' list >/dev/full 2>'" + (folder_ / "err").string() + "'; test $? -eq 4").c_str()), 0);
+  EXPECT_EQ(std::system(("'" BRAMAH_BINARY_DIR "/bin/bramah' list >/dev/full 2>'" + (folder_ / "err").string() +
+                         "'; test $? -eq 4")
+                            .c_str()),
+            0);
 }
 
 TEST_F(Cli, NumbersHaveSeventeenDigits) {

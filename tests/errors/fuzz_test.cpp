@@ -56,24 +56,12 @@ std::string damaged(std::string text, Dice& dice) {
     const std::string one = text.substr(begin, length), two = text.substr(other, other_length);
     const std::size_t at = dice.below(text.size());
     switch (dice.below(7)) {
-      case 0:
-        text[at] = static_cast<char>(static_cast<unsigned char>(text[at]) ^ (1U << dice.below(8)));
-        break;
-      case 1:
-        text.erase(at, 1 + dice.below(40));
-        break;
-      case 2:
-        text.insert(at, 1, static_cast<char>(dice.below(256)));
-        break;
-      case 3:
-        text.erase(begin, length);
-        break;
-      case 4:
-        text.insert(begin, two);
-        break;
-      case 5:
-        text.replace(begin, length, two);
-        break;
+      case 0: text[at] = static_cast<char>(static_cast<unsigned char>(text[at]) ^ (1U << dice.below(8))); break;
+      case 1: text.erase(at, 1 + dice.below(40)); break;
+      case 2: text.insert(at, 1, static_cast<char>(dice.below(256))); break;
+      case 3: text.erase(begin, length); break;
+      case 4: text.insert(begin, two); break;
+      case 5: text.replace(begin, length, two); break;
       default:  // swap
         if (begin >= other + other_length) {
           text.replace(begin, length, two).replace(other, other_length, one);

@@ -8,7 +8,8 @@
 namespace bramah::testing {
 namespace {
 
-constexpr double matrix[] = {1.0, 3.0, 0.1, -4e-300, std::numeric_limits<double>::max(), 1.0 / 3.0};  // 2 x 3, by columns
+constexpr double matrix[] = {1.0,      3.0, 0.1, -4e-300, std::numeric_limits<double>::max(),
+                             1.0 / 3.0};  // 2 x 3, by columns
 
 TEST(Csv, CarriesNamesAndAllDigits) {
   EXPECT_EQ(csv_of({matrix, 2, 3}, {"a", "b"}, {"x", "y", "z"}),
@@ -38,6 +39,7 @@ TEST(MatFile, IsLevel5AsDocumented) {
   EXPECT_EQ(file[176], 'A');
   EXPECT_EQ(at<std::uint32_t>(file, 184), 9U);
   EXPECT_EQ(at<std::uint32_t>(file, 188), sizeof matrix);
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): bytes are what the file is about
   EXPECT_EQ(std::memcmp(file.data() + 192, matrix, sizeof matrix), 0);
   // Second variable begins where the first says it ends; text of 2 rows and 3 columns, column by column.
   const std::size_t second = 136 + at<std::uint32_t>(file, 132);

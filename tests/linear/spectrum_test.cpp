@@ -85,9 +85,11 @@ TEST(Spectrum, NonzeroEigenvaluesSurviveDefectiveZeros) {
 }
 
 TEST(Spectrum, VectorsBelongToTheMatrix) {
-  for (const std::string scene : {"scenes/four_bar/underdamped_high_friction.json", "scenes/articulated_vehicle/straight.json", "scenes/bicycle/benchmark.json"}) {
+  for (const std::string scene : {"scenes/four_bar/underdamped_high_friction.json",
+                                  "scenes/articulated_vehicle/straight.json", "scenes/bicycle/benchmark.json"}) {
     const Machine machine = load(scene);
-    const State state = reference_state(machine.system(), machine.options(), machine.options().linearize.at == LinearizeOptions::At::equilibrium, 0.0);
+    const State state = reference_state(machine.system(), machine.options(),
+                                        machine.options().linearize.at == LinearizeOptions::At::equilibrium, 0.0);
     const LinearModel model = linear_model(machine, state);
     const Spectrum spectrum = find_spectrum(model);
     const Eigen::Index modes = spectrum.left.cols();
@@ -97,10 +99,14 @@ TEST(Spectrum, VectorsBelongToTheMatrix) {
     const MatrixXd A = nominal.cwiseInverse().asDiagonal() * model.A * nominal.asDiagonal();
     for (Eigen::Index k = 0; k < modes; ++k) {
       const std::complex<double> lambda = spectrum.modes[static_cast<std::size_t>(k)].eigenvalue;
-      const Eigen::VectorXcd v = nominal.cwiseInverse().cast<std::complex<double>>().cwiseProduct(spectrum.right.col(k));
+      const Eigen::VectorXcd v =
+          nominal.cwiseInverse().cast<std::complex<double>>().cwiseProduct(spectrum.right.col(k));
       const Eigen::VectorXcd w = nominal.cast<std::complex<double>>().cwiseProduct(spectrum.left.col(k));
-      EXPECT_LT((A.cast<std::complex<double>>() * v - lambda * v).norm(), 1e-11 * A.norm() * v.norm()) << scene << ", mode " << k;
-      EXPECT_LT((A.transpose().cast<std::complex<double>>() * w.conjugate() - lambda * w.conjugate()).norm(), 1e-11 * A.norm() * w.norm()) << scene << ", mode " << k;
+      EXPECT_LT((A.cast<std::complex<double>>() * v - lambda * v).norm(), 1e-11 * A.norm() * v.norm())
+          << scene << ", mode " << k;
+      EXPECT_LT((A.transpose().cast<std::complex<double>>() * w.conjugate() - lambda * w.conjugate()).norm(),
+                1e-11 * A.norm() * w.norm())
+          << scene << ", mode " << k;
     }
     const Eigen::MatrixXcd product = spectrum.left.adjoint() * spectrum.right.leftCols(modes);
     EXPECT_LT((product - Eigen::MatrixXcd::Identity(modes, modes)).cwiseAbs().maxCoeff(), 1e-8) << scene;
@@ -124,7 +130,8 @@ TEST(Zeros, AreExplained) {
                                        {"scenes/rolling/skate.json", {2}, "rigid-body or cyclic coordinate"}};
   for (const Expected& expected : cases) {
     const Machine machine = load(expected.scene);
-    const State state = reference_state(machine.system(), machine.options(), machine.options().linearize.at == LinearizeOptions::At::equilibrium, 0.0);
+    const State state = reference_state(machine.system(), machine.options(),
+                                        machine.options().linearize.at == LinearizeOptions::At::equilibrium, 0.0);
     const LinearModel model = linear_model(machine, state);
     const Spectrum spectrum = find_spectrum(model);
     std::vector<int> sizes;
@@ -134,11 +141,13 @@ TEST(Zeros, AreExplained) {
       // What is said to move must be a null vector.
       Eigen::VectorXd v = Eigen::VectorXd::Zero(model.A.rows());
       for (const auto& [name, share] : block.moves) {
-        const auto at = std::find_if(model.states.begin(), model.states.end(), [&, wanted = name](const NamedQuantity& q) { return q.name == wanted; });
+        const auto at = std::find_if(model.states.begin(), model.states.end(),
+                                     [&, wanted = name](const NamedQuantity& q) { return q.name == wanted; });
         v(at - model.states.begin()) = share;
       }
       const Eigen::VectorXd rest = model.A * v, terms = model.A.cwiseAbs() * v.cwiseAbs();
-      for (Eigen::Index i = 0; i < rest.size(); ++i) EXPECT_LE(std::abs(rest(i)), 1e-9 * terms(i) + 1e-12) << expected.scene;
+      for (Eigen::Index i = 0; i < rest.size(); ++i)
+        EXPECT_LE(std::abs(rest(i)), 1e-9 * terms(i) + 1e-12) << expected.scene;
     }
     EXPECT_EQ(sizes, expected.blocks) << expected.scene;
     ASSERT_FALSE(spectrum.zeros.empty());

@@ -47,7 +47,8 @@ TEST(Transfer, Zeros) {
     return std::any_of(list.begin(), list.end(), [&](Complex z) { return std::abs(z - value) < 1e-10; });
   };
   // The hidden state is a zero of every path (it cancels its own pole); the velocity has one at 0, the sum at -3.
-  const std::vector<Complex> position = transfer_zeros(model, 0, 0), velocity = transfer_zeros(model, 0, 1), sum = transfer_zeros(model, 0, 2);
+  const std::vector<Complex> position = transfer_zeros(model, 0, 0), velocity = transfer_zeros(model, 0, 1),
+                             sum = transfer_zeros(model, 0, 2);
   EXPECT_EQ(position.size(), 1U);
   EXPECT_TRUE(has(position, -7.0));
   EXPECT_EQ(velocity.size(), 2U);
@@ -63,8 +64,10 @@ TEST(Transfer, StepAndImpulse) {
   const double delta = damping / (2 * mass), w = std::sqrt(stiffness / mass - delta * delta);
   for (std::size_t k = 0; k < times.size(); ++k) {
     const double t = times[k], decay = std::exp(-delta * t);
-    EXPECT_TRUE(close(step(0, static_cast<Eigen::Index>(k)), (1 - decay * (std::cos(w * t) + delta / w * std::sin(w * t))) / stiffness, 1e-12, 1 / stiffness));
-    EXPECT_TRUE(close(impulse(0, static_cast<Eigen::Index>(k)), decay * std::sin(w * t) / (mass * w), 1e-12, 1 / (mass * w)));
+    EXPECT_TRUE(close(step(0, static_cast<Eigen::Index>(k)),
+                      (1 - decay * (std::cos(w * t) + delta / w * std::sin(w * t))) / stiffness, 1e-12, 1 / stiffness));
+    EXPECT_TRUE(
+        close(impulse(0, static_cast<Eigen::Index>(k)), decay * std::sin(w * t) / (mass * w), 1e-12, 1 / (mass * w)));
   }
 }
 

@@ -19,17 +19,20 @@ class Augmented : public ::testing::Test {
 
   std::vector<std::complex<double>> nonzero() const {
     std::vector<std::complex<double>> list;
-    for (const auto& pair : reference_["augmented"]["nonzero_eigs"]) list.emplace_back(number(pair[0]), number(pair[1]));
+    for (const auto& pair : reference_["augmented"]["nonzero_eigs"])
+      list.emplace_back(number(pair[0]), number(pair[1]));
     return list;
   }
   /// Errors of lambda_3, lambda_4, lambda_5 with differences of step h.
   std::array<double, 3> errors(double h) const {
     std::array<double, 3> result{};
     const std::array<double, 3> exact = {-214.391064651238277, -1391.80607440571269, -23151.7903854268843};
-    const std::vector<std::complex<double>> spectrum = plain_eigenvalues(augmented_by_differences(machine_.system(), partition_, state_, h));
+    const std::vector<std::complex<double>> spectrum =
+        plain_eigenvalues(augmented_by_differences(machine_.system(), partition_, state_, h));
     for (std::size_t k = 0; k < 3; ++k) {
       result[k] = HUGE_VAL;
-      for (const std::complex<double>& lambda : spectrum) result[k] = std::min(result[k], std::abs(lambda - exact[k]) / std::abs(exact[k]));
+      for (const std::complex<double>& lambda : spectrum)
+        result[k] = std::min(result[k], std::abs(lambda - exact[k]) / std::abs(exact[k]));
     }
     return result;
   }

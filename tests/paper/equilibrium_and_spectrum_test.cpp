@@ -17,7 +17,8 @@ struct Angles {
 double wrap(double angle) { return angle - 2.0 * pi * std::floor(angle / (2.0 * pi)); }
 
 Angles angles(const Machine& m, const State& s, const FourBar& model) {
-  if (model.name == "plugin") return {m.value(s, "machine.phi2"), wrap(m.value(s, "machine.phi32")), wrap(m.value(s, "machine.phi43"))};
+  if (model.name == "plugin")
+    return {m.value(s, "machine.phi2"), wrap(m.value(s, "machine.phi32")), wrap(m.value(s, "machine.phi43"))};
   const auto of = [&](const std::string& body) {
     if (model.name == "planar") return m.value(s, body + ".angle");
     // Rotation about X1: e = (cos a/2, sin a/2, 0, 0).
@@ -54,8 +55,8 @@ TEST_P(Table3, EquilibriumAndEigenvalues) {
   for (const auto& pair : scenario["eig"]) {
     const std::complex<double> expected(number(pair[0]), number(pair[1]));
     if (std::abs(expected) > 0.0) {
-        EXPECT_TRUE(take_nearest(spectrum, expected, 1e-11));
-      }
+      EXPECT_TRUE(take_nearest(spectrum, expected, 1e-11));
+    }
   }
   // What remains are the two physical zeros.
   ASSERT_EQ(spectrum.size(), 2U);
@@ -65,9 +66,14 @@ TEST_P(Table3, EquilibriumAndEigenvalues) {
 TEST_P(Table3, PrintedTable) {
   // As printed, 10 digits of which hold: the paper's equilibrium carries a root-finder error of 1e-10.
   const std::vector<std::complex<double>> printed =
-      friction().name == "1"      ? std::vector<std::complex<double>>{-214.39106464754279, -1391.80607456145248, -23151.79038542678086}
-      : friction().name == "1/10" ? std::vector<std::complex<double>>{{-80.72903412140915, 540.25253225199372}, {-80.72903412140915, -540.25253225199372}, -23151.85327547393863}
-                                  : std::vector<std::complex<double>>{{-8.49229645935075, 546.18474984704098}, {-8.49229645935075, -546.18474984704098}, -23151.85913270615351};
+      friction().name == "1"
+          ? std::vector<std::complex<double>>{-214.39106464754279, -1391.80607456145248, -23151.79038542678086}
+      : friction().name == "1/10" ? std::vector<std::complex<double>>{{-80.72903412140915, 540.25253225199372},
+                                                                      {-80.72903412140915, -540.25253225199372},
+                                                                      -23151.85327547393863}
+                                  : std::vector<std::complex<double>>{{-8.49229645935075, 546.18474984704098},
+                                                                      {-8.49229645935075, -546.18474984704098},
+                                                                      -23151.85913270615351};
   const Machine machine = load(model().scene, friction().settings);
   const Equilibrium equilibrium = find_equilibrium(machine.system(), machine.options().equilibrium);
   std::vector<std::complex<double>> spectrum = eigenvalues(linear_model(machine, equilibrium.state));
@@ -103,7 +109,9 @@ TEST_P(Table3, SpoolColumn) {
     equilibrium.state.side = machine.options().linearize.side;
     const LinearModel linear = linear_model(machine, equilibrium.state);
     const std::vector<double> expected = numbers(all["dHdU"][side > 0 ? "plus" : "minus"]);
-    for (int i = 0; i < 3; ++i) EXPECT_TRUE(close(linear.A(2 + i, 5), expected[static_cast<std::size_t>(i)], 1e-11)) << "side " << side << ", p" << i + 1;
+    for (int i = 0; i < 3; ++i)
+      EXPECT_TRUE(close(linear.A(2 + i, 5), expected[static_cast<std::size_t>(i)], 1e-11))
+          << "side " << side << ", p" << i + 1;
     ASSERT_EQ(linear.kinks.size(), 1U);
     EXPECT_EQ(linear.kinks[0].component, "valve");
     EXPECT_EQ(linear.kinks[0].name, "spool_centre");
@@ -117,9 +125,12 @@ std::string case_name(const ::testing::TestParamInfo<std::tuple<FourBar, Frictio
   return std::get<0>(p.param).name + "_friction_" + friction;
 }
 
-INSTANTIATE_TEST_SUITE_P(AllModels, Table3, ::testing::Combine(::testing::ValuesIn(four_bars), ::testing::ValuesIn(frictions)), case_name);
+INSTANTIATE_TEST_SUITE_P(AllModels, Table3,
+                         ::testing::Combine(::testing::ValuesIn(four_bars), ::testing::ValuesIn(frictions)), case_name);
 INSTANTIATE_TEST_SUITE_P(PlanarAndPlugin, PaperCoordinates,
-                         ::testing::Combine(::testing::Values(four_bars[0], four_bars[2]), ::testing::ValuesIn(frictions)), case_name);
+                         ::testing::Combine(::testing::Values(four_bars[0], four_bars[2]),
+                                            ::testing::ValuesIn(frictions)),
+                         case_name);
 
 TEST(Literal, ParametersAsPrinted) {
   const auto all = reference("four_bar.json");
@@ -130,19 +141,22 @@ TEST(Literal, ParametersAsPrinted) {
       if (plugin) {
         settings.insert(settings.end(), {"cylinder.c_1=0.43", "seal.viscous_factor=one"});
       }
-      const Machine machine = load(plugin ? "plugins/paper_four_bar/scene.json" : "scenes/four_bar/literal.json", settings);
+      const Machine machine =
+          load(plugin ? "plugins/paper_four_bar/scene.json" : "scenes/four_bar/literal.json", settings);
       const Equilibrium equilibrium = find_equilibrium(machine.system(), machine.options().equilibrium);
       const LinearModel linear = linear_model(machine, equilibrium.state);
       std::vector<std::complex<double>> spectrum = eigenvalues(linear);
       for (const auto& pair : scenario["eig"]) {
         const std::complex<double> expected(number(pair[0]), number(pair[1]));
         if (std::abs(expected) > 0.0) {
-        EXPECT_TRUE(take_nearest(spectrum, expected, 1e-11)) << friction.name;
-      }
+          EXPECT_TRUE(take_nearest(spectrum, expected, 1e-11)) << friction.name;
+        }
       }
       for (int i = 0; i < 6; ++i) {
         for (int j = 0; j < 5; ++j) {
-          EXPECT_TRUE(close(linear.A(i, j), number(scenario["J"][static_cast<std::size_t>(i)][static_cast<std::size_t>(j)]), 1e-11)) << "J(" << i << ", " << j << ")";
+          EXPECT_TRUE(close(linear.A(i, j),
+                            number(scenario["J"][static_cast<std::size_t>(i)][static_cast<std::size_t>(j)]), 1e-11))
+              << "J(" << i << ", " << j << ")";
         }
       }
     }
@@ -177,13 +191,16 @@ TEST(Transformation, OfThePapersCoordinates) {
   const auto all = reference("four_bar.json");
   const Machine machine = load("plugins/paper_four_bar/scene.json");
   const Equilibrium equilibrium = find_equilibrium(machine.system(), machine.options().equilibrium);
-  Linearizer linearizer(machine.system(), choose_partition(machine.system(), equilibrium.state, machine.options().linearize.independent));
+  Linearizer linearizer(machine.system(),
+                        choose_partition(machine.system(), equilibrium.state, machine.options().linearize.independent));
   LinearModel model;
   linearizer.linearize(equilibrium.state, model);
   const Eigen::MatrixXd T = linearizer.transformation();
-  const std::vector<double> T0 = numbers(all["scenarios"]["table3 1"]["T0"]);  // phi2 first, then the dependent ones in order
+  // phi2 first, then the dependent ones in order.
+  const std::vector<double> T0 = numbers(all["scenarios"]["table3 1"]["T0"]);
   const std::vector<int> order = {5, 0, 1, 2, 3, 4, 6, 7, 8, 9};
-  for (std::size_t k = 0; k < T0.size(); ++k) EXPECT_TRUE(close(T(order[k], 0), T0[k], 1e-11, 1.0)) << "T0[" << k << "]";
+  for (std::size_t k = 0; k < T0.size(); ++k)
+    EXPECT_TRUE(close(T(order[k], 0), T0[k], 1e-11, 1.0)) << "T0[" << k << "]";
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ inline const std::vector<FourBar> four_bars = {{"planar", "scenes/four_bar/overd
                                                {"plugin", "plugins/paper_four_bar/scene.json", "machine.phi2"}};
 
 struct Friction {
-  std::string name;     // key of the reference: "1", "1/10", "1/100"
+  std::string name;  // key of the reference: "1", "1/10", "1/100"
   std::vector<std::string> settings;
 };
 

@@ -14,7 +14,8 @@ constexpr double degree = std::numbers::pi / 180.0;
 constexpr double rate = 0.2;  // rad/s
 
 Machine moving(const FourBar& model) {
-  std::vector<std::string> settings = {"start.V1.p=3.1e6", "start.V2.p=2.6e6", "start.V3.p=3.3e6", "start.valve.U=0.35"};
+  std::vector<std::string> settings = {"start.V1.p=3.1e6", "start.V2.p=2.6e6", "start.V3.p=3.3e6",
+                                       "start.valve.U=0.35"};
   const double angle = 40.0 * degree;
   const auto set = [&](const std::string& name, double value) {
     char text[100];
@@ -62,7 +63,8 @@ TEST(GeneralState, ThreeModelsAgree) {
 }
 
 /// d(q, qdot, z)/dt of the reduced system at independent values: constraints solved exactly around a reference state.
-Eigen::VectorXd reduced_rates(const Machine& machine, const Partition& partition, const State& reference, const Eigen::VectorXd& X) {
+Eigen::VectorXd reduced_rates(const Machine& machine, const Partition& partition, const State& reference,
+                              const Eigen::VectorXd& X) {
   const System& system = machine.system();
   State state = reference;
   const auto k = static_cast<Index>(partition.ai.size());
@@ -92,7 +94,8 @@ TEST(GeneralState, JacobianIsTheDerivativeOfTheReducedRates) {
     ASSERT_EQ(partition.ai.size(), 1U);
     const LinearModel linear = linear_model(machine, state);
     Eigen::VectorXd X(6);
-    X << state.x[static_cast<std::size_t>(partition.ai[0])], state.v[static_cast<std::size_t>(partition.ai[0])], state.z[0], state.z[1], state.z[2], state.z[3];
+    X << state.x[static_cast<std::size_t>(partition.ai[0])], state.v[static_cast<std::size_t>(partition.ai[0])],
+        state.z[0], state.z[1], state.z[2], state.z[3];
     // Sixth-order central differences; steps small against each variable's curvature and large against rounding.
     const double steps[] = {3e-4, 1e-4, 3e2, 3e2, 3e2, 1e-3};
     for (int j = 0; j < 6; ++j) {
@@ -101,12 +104,14 @@ TEST(GeneralState, JacobianIsTheDerivativeOfTheReducedRates) {
         Y(j) += times * steps[j];
         return reduced_rates(machine, partition, state, Y);
       };
-      const Eigen::VectorXd column = ((moved(3) - moved(-3)) - 9.0 * (moved(2) - moved(-2)) + 45.0 * (moved(1) - moved(-1))) / (60.0 * steps[j]);
+      const Eigen::VectorXd column =
+          ((moved(3) - moved(-3)) - 9.0 * (moved(2) - moved(-2)) + 45.0 * (moved(1) - moved(-1))) / (60.0 * steps[j]);
       for (int i = 0; i < 6; ++i) {
         // Against the largest term of the row, in steps of equal weight: rounding is relative to it.
         double scale = 0.0;
         for (int q = 0; q < 6; ++q) scale = std::max(scale, std::abs(linear.A(i, q)) * steps[q]);
-        EXPECT_TRUE(close(linear.A(i, j), column(i), 3e-8, scale / steps[j])) << model.name << ", A(" << i << ", " << j << ")";
+        EXPECT_TRUE(close(linear.A(i, j), column(i), 3e-8, scale / steps[j]))
+            << model.name << ", A(" << i << ", " << j << ")";
       }
     }
   }

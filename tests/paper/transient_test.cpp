@@ -48,7 +48,8 @@ Recording record(const Machine& machine, const State& start, const std::vector<S
   Blocks blocks(machine.system());
   Observer observer;
   observer.output = [&](const State& state) {
-    result.worst_position = std::max(result.worst_position, constraint_violation(machine.system(), state, blocks).position);
+    result.worst_position =
+        std::max(result.worst_position, constraint_violation(machine.system(), state, blocks).position);
     result.states.push_back(state);
   };
   result.simulation = simulate(machine.system(), options, start, observer);
@@ -57,7 +58,8 @@ Recording record(const Machine& machine, const State& start, const std::vector<S
 }
 
 const State& at(const Recording& run, double t) {
-  const auto it = std::find_if(run.states.begin(), run.states.end(), [&](const State& s) { return std::abs(s.t - t) < 1e-12; });
+  const auto it =
+      std::find_if(run.states.begin(), run.states.end(), [&](const State& s) { return std::abs(s.t - t) < 1e-12; });
   EXPECT_NE(it, run.states.end()) << "no output at t = " << t;
   return *it;
 }
@@ -79,7 +81,8 @@ TEST_P(Transient, NonlinearAgainstTheReference) {
     for (const Sample& s : expected) {
       for (std::size_t k = 0; k < 5; ++k) {
         const double found = machine.value(at(result, s.t), names[k]) - machine.value(start, names[k]);
-        EXPECT_TRUE(close(found, s.y[k], tolerance, peak[k])) << names[k] << " at t = " << s.t << ", rel_tol " << rel_tol;
+        EXPECT_TRUE(close(found, s.y[k], tolerance, peak[k]))
+            << names[k] << " at t = " << s.t << ", rel_tol " << rel_tol;
       }
     }
     EXPECT_LT(result.worst_position, 1e-10);
@@ -109,10 +112,14 @@ TEST_P(Transient, LinearModelOverlaid) {
   double deviation = 0.0;
   for (std::size_t i = 0; i < linear.size(); ++i) {
     for (std::size_t k = 0; k < 5; ++k) {
-      EXPECT_TRUE(close(X(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i)), linear[i].y[k], 2e-8, peak[k])) << names[k] << " at t = " << linear[i].t;
+      EXPECT_TRUE(close(X(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i)), linear[i].y[k], 2e-8, peak[k]))
+          << names[k] << " at t = " << linear[i].t;
     }
     for (const Sample& s : nonlinear) {
-      if (s.t == linear[i].t) deviation = std::max(deviation, std::abs(X(0, static_cast<Eigen::Index>(i)) - (machine.value(at(result, s.t), "crank.angle") - machine.value(start, "crank.angle"))));
+      if (s.t == linear[i].t)
+        deviation = std::max(
+            deviation, std::abs(X(0, static_cast<Eigen::Index>(i)) -
+                                (machine.value(at(result, s.t), "crank.angle") - machine.value(start, "crank.angle"))));
     }
   }
   // 3.4, 10.6 and 11.0 %: largest over the reference's own finer grid, so the coarse one here may only be lower, a little.

@@ -10,7 +10,9 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double, Eigen::ColMajor, std::int64_t>;
 
-sparse::CscView view(const Sparse& A) { return {A.rows(), A.cols(), A.outerIndexPtr(), A.innerIndexPtr(), A.valuePtr()}; }
+sparse::CscView view(const Sparse& A) {
+  return {A.rows(), A.cols(), A.outerIndexPtr(), A.innerIndexPtr(), A.valuePtr()};
+}
 
 Sparse tridiagonal(int n, double diagonal) {
   Sparse A(n, n);

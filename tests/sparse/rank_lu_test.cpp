@@ -1,8 +1,8 @@
 // Our rank-revealing LU against SPQR (rank) and against dense algebra (solutions, dependencies).
 #include "sparse/rank_lu.hpp"
 
-#include <SuiteSparseQR.hpp>
 #include <gtest/gtest.h>
+#include <SuiteSparseQR.hpp>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -62,11 +62,13 @@ Eigen::MatrixXd of_rank(Eigen::Index rows, Eigen::Index columns, Eigen::Index ra
 std::int64_t rank_by_spqr(const Csc& m) {
   cholmod_common common;
   cholmod_l_start(&common);
-  cholmod_sparse* A = cholmod_l_allocate_sparse(static_cast<std::size_t>(m.rows), static_cast<std::size_t>(m.columns), m.value.size(), 1, 1, 0, CHOLMOD_REAL, &common);
+  cholmod_sparse* A = cholmod_l_allocate_sparse(static_cast<std::size_t>(m.rows), static_cast<std::size_t>(m.columns),
+                                                m.value.size(), 1, 1, 0, CHOLMOD_REAL, &common);
   std::copy(m.start.begin(), m.start.end(), static_cast<SuiteSparse_long*>(A->p));
   std::copy(m.row.begin(), m.row.end(), static_cast<SuiteSparse_long*>(A->i));
   std::copy(m.value.begin(), m.value.end(), static_cast<double*>(A->x));
-  SuiteSparseQR_factorization<double>* QR = SuiteSparseQR_factorize<double>(SPQR_ORDERING_DEFAULT, SPQR_DEFAULT_TOL, A, &common);
+  SuiteSparseQR_factorization<double>* QR =
+      SuiteSparseQR_factorize<double>(SPQR_ORDERING_DEFAULT, SPQR_DEFAULT_TOL, A, &common);
   const std::int64_t rank = QR->rank;
   SuiteSparseQR_free(&QR, &common);
   cholmod_l_free_sparse(&A, &common);

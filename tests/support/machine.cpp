@@ -7,7 +7,8 @@ namespace bramah::testing {
 
 std::shared_ptr<Registry> registry() {
   const std::string build = BRAMAH_BINARY_DIR;
-  return std::make_shared<Registry>(std::vector<std::filesystem::path>{build + "/lib/bramah/plugins", build + "/tests/plugins"});
+  return std::make_shared<Registry>(
+      std::vector<std::filesystem::path>{build + "/lib/bramah/plugins", build + "/tests/plugins"});
 }
 
 double Machine::value(const State& state, const std::string& name) const {
@@ -28,7 +29,8 @@ Machine load(const std::string& file, const std::vector<std::string>& settings) 
 }
 
 LinearModel linear_model(const Machine& machine, const State& state) {
-  Linearizer linearizer(machine.system(), choose_partition(machine.system(), state, machine.options().linearize.independent));
+  Linearizer linearizer(machine.system(),
+                        choose_partition(machine.system(), state, machine.options().linearize.independent));
   LinearModel model;
   linearizer.linearize(state, model);
   return model;

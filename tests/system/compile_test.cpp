@@ -160,7 +160,7 @@ TEST(Compile, GivesGroundAndUnconnectedPortsConstants) {
   const State state = initial_state(s);
   ASSERT_EQ(static_cast<Index>(state.x.size()), s.n() + static_cast<Index>(s.x_constants.size()));
   const Group& joints = group_of(s, "mechanics/planar_revolute");
-  const std::int32_t n = static_cast<std::int32_t>(s.n());
+  const auto n = static_cast<std::int32_t>(s.n());
   for (int j = 0; j < 3; ++j) {
     EXPECT_EQ(joints.x[static_cast<std::size_t>(j)], j);          // pin: a is rod
     EXPECT_GE(joints.x[static_cast<std::size_t>(3 + j)], n);      // pin: b is ground

@@ -38,6 +38,7 @@ extern "C" {
 enum bramah_family { BRAMAH_X = 0, BRAMAH_Z = 1, BRAMAH_U = 2 };
 
 /* Partials: block ROWS_COLUMNS is the Jacobian of the rows with respect to the columns, all else held. */
+/* clang-format off */
 enum bramah_block {
   BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U,
   BRAMAH_G_X, BRAMAH_G_V, BRAMAH_G_Z, BRAMAH_G_ZDOT, BRAMAH_G_U,
@@ -48,6 +49,7 @@ enum bramah_block {
   BRAMAH_Y_X, BRAMAH_Y_V, BRAMAH_Y_A, BRAMAH_Y_Z, BRAMAH_Y_U, BRAMAH_Y_LAMBDA,
   BRAMAH_BLOCKS
 };
+/* clang-format on */
 
 enum bramah_parameter_kind {
   BRAMAH_NUMBER, /* one number */
@@ -61,13 +63,13 @@ typedef struct bramah_parameter_info {
   size_t size;
   const char* name;
   const char* doc;
-  const char* unit; /* "Pa", "m^3/(s.Pa^0.5)", "1" */
-  int32_t kind;     /* bramah_parameter_kind */
-  int32_t required; /* 0: the default below holds */
-  int64_t count;    /* vectors: how many numbers */
-  double lower, upper;               /* limits of each number; +-HUGE_VAL where there is none */
-  int32_t lower_open, upper_open;    /* 1: the limit itself is excluded */
-  const double* default_numbers;     /* `count` numbers (1 for number and choice) */
+  const char* unit;               /* "Pa", "m^3/(s.Pa^0.5)", "1" */
+  int32_t kind;                   /* bramah_parameter_kind */
+  int32_t required;               /* 0: the default below holds */
+  int64_t count;                  /* vectors: how many numbers */
+  double lower, upper;            /* limits of each number; +-HUGE_VAL where there is none */
+  int32_t lower_open, upper_open; /* 1: the limit itself is excluded */
+  const double* default_numbers;  /* `count` numbers (1 for number and choice) */
   int64_t default_count;
   const char* default_text;
   const char* const* choices; /* null-terminated */

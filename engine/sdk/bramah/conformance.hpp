@@ -175,20 +175,13 @@ class Examination {
   [[nodiscard]] std::string row_name(Group group, std::size_t i) const {
     const auto mh = static_cast<std::size_t>(type_.holonomic_count);
     switch (group) {
-      case F:
-        return "force on " + local_name(BRAMAH_X, i);
-      case G:
-        return "balance of " + local_name(BRAMAH_Z, i);
-      case HOLONOMIC:
-        return std::string("row ") + type_.holonomic[i].name;
-      case RATE:
-        return std::string("rate of ") + (i < mh ? type_.holonomic[i].name : type_.nonholonomic[i - mh].name);
-      case SECOND_RATE:
-        return "second " + row_name(RATE, i);
-      case Y:
-        return std::string("output ") + type_.outputs[i].name;
-      default:
-        return "D^T lambda on " + local_name(BRAMAH_X, i);
+      case F: return "force on " + local_name(BRAMAH_X, i);
+      case G: return "balance of " + local_name(BRAMAH_Z, i);
+      case HOLONOMIC: return std::string("row ") + type_.holonomic[i].name;
+      case RATE: return std::string("rate of ") + (i < mh ? type_.holonomic[i].name : type_.nonholonomic[i - mh].name);
+      case SECOND_RATE: return "second " + row_name(RATE, i);
+      case Y: return std::string("output ") + type_.outputs[i].name;
+      default: return "D^T lambda on " + local_name(BRAMAH_X, i);
     }
   }
 
@@ -332,6 +325,7 @@ class Examination {
     if (faults_.size() > before) return false;
 
     std::vector<bramah_value> values;
+    values.reserve(settings.size());
     for (const Setting& s : settings) {
       values.push_back(
           {sizeof(bramah_value), s.numbers.data(), static_cast<std::int64_t>(s.numbers.size()), s.text.c_str()});
@@ -380,16 +374,11 @@ class Examination {
   [[nodiscard]] std::size_t row_count(std::size_t group) const {
     switch (group) {
       case F:
-      case PULL:
-        return size(X);
-      case G:
-        return size(Z);
-      case HOLONOMIC:
-        return static_cast<std::size_t>(type_.holonomic_count);
-      case Y:
-        return static_cast<std::size_t>(type_.output_count);
-      default:
-        return size(LAMBDA);
+      case PULL: return size(X);
+      case G: return size(Z);
+      case HOLONOMIC: return static_cast<std::size_t>(type_.holonomic_count);
+      case Y: return static_cast<std::size_t>(type_.output_count);
+      default: return size(LAMBDA);
     }
   }
   bool make_patterns() {
@@ -476,7 +465,8 @@ class Examination {
     return one;
   }
 
-  Evaluation evaluate(const std::vector<LocalState>& states, const Wanted& wanted, bool values = true) const {
+  [[nodiscard]] Evaluation evaluate(const std::vector<LocalState>& states, const Wanted& wanted,
+                                    bool values = true) const {
     constexpr double guard = 0x1.23456789abcdep+77;  // behind every buffer, so that writing too much shows
     const double nothing = std::numeric_limits<double>::quiet_NaN();
     const std::size_t count = states.size();
@@ -602,7 +592,7 @@ class Examination {
   /// none.
   using Slopes = std::vector<std::array<std::vector<double>, groups>>;
   template <class Path>
-  Slopes slopes(const Evaluation& base, const Path& path) const {
+  [[nodiscard]] Slopes slopes(const Evaluation& base, const Path& path) const {
     static constexpr double steps[] = {3e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
     Slopes found;
     const auto look = [&](double t, double& moved) { return evaluate({path(t, moved)}, only(BRAMAH_R_V)); };

@@ -24,9 +24,9 @@ struct TypeTables {
   std::vector<bramah_terminal_info> terminals;
   std::vector<bramah_row_info> holonomic, nonholonomic, outputs, switches;
   std::vector<double> switch_nominal;
-  std::deque<std::vector<double>> numbers;            // stable addresses
+  std::deque<std::vector<double>> numbers;  // stable addresses
   std::deque<std::vector<const char*>> texts;
-  int port_slots[3] = {}, own_slots[3] = {};          // by bramah_family
+  int port_slots[3] = {}, own_slots[3] = {};  // by bramah_family
   int constants = 0, signals = 0;
 
   [[nodiscard]] int slots(int family) const { return port_slots[family] + own_slots[family]; }
@@ -154,8 +154,7 @@ class Description {
     handle.slot = next_port_[family];
     next_port_[family] += H::slots;
     if (collecting_ == nullptr) return {nullptr, 0};
-    collecting_->ports.push_back(
-        {sizeof(bramah_port_info), name, doc, H::kind, unit, family, H::slots, 1, nullptr});
+    collecting_->ports.push_back({sizeof(bramah_port_info), name, doc, H::kind, unit, family, H::slots, 1, nullptr});
     collecting_->port_slots[family] += H::slots;
     return {collecting_, collecting_->ports.size() - 1};
   }

@@ -29,9 +29,11 @@ struct VectorOf {
 
 template <std::size_t K, class Function>
 BRAMAH_INLINE void unrolled(Function&& function) {
+  // clang-format off
   [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
     (function(std::integral_constant<std::size_t, I>{}), ...);
   }(std::make_index_sequence<K>{});
+  // clang-format on
 }
 
 template <std::size_t N>

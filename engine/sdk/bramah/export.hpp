@@ -22,21 +22,37 @@ inline constexpr std::size_t most_columns = 256;  // 3 nx + 2 nz + nu + multipli
 using Seeded = Dual<width>;
 
 template <class C>
-concept HasBalance = requires(const C& c, const At<double>& at, Rows<double>& rows) { c.balance(at, rows); };
+concept HasBalance = requires(const C& c, const At<double>& at, Rows<double>& rows) {
+  c.balance(at, rows);
+};
 template <class C>
-concept HasHolonomic = requires(const C& c, const Positions<double>& at, Values<double>& rows) { c.holonomic(at, rows); };
+concept HasHolonomic = requires(const C& c, const Positions<double>& at, Values<double>& rows) {
+  c.holonomic(at, rows);
+};
 template <class C>
-concept HasNonholonomic = requires(const C& c, const Motion<double>& at, Values<double>& rows) { c.nonholonomic(at, rows); };
+concept HasNonholonomic = requires(const C& c, const Motion<double>& at, Values<double>& rows) {
+  c.nonholonomic(at, rows);
+};
 template <class C>
-concept HasOutput = requires(const C& c, const At<double>& at, Values<double>& y) { c.output(at, y); };
+concept HasOutput = requires(const C& c, const At<double>& at, Values<double>& y) {
+  c.output(at, y);
+};
 template <class C>
-concept HasSwitches = requires(const C& c, const At<double>& at, Values<double>& y) { c.switches(at, y); };
+concept HasSwitches = requires(const C& c, const At<double>& at, Values<double>& y) {
+  c.switches(at, y);
+};
 template <class C>
-concept HasCheck = requires(const C& c, Faults& faults) { c.check(faults); };
+concept HasCheck = requires(const C& c, Faults& faults) {
+  c.check(faults);
+};
 template <class C>
-concept HasStart = requires(const C& c, Start& start) { c.start(start); };
+concept HasStart = requires(const C& c, Start& start) {
+  c.start(start);
+};
 template <class C>
-concept HasConstants = requires(const C& c, double* values) { c.constants(values); };
+concept HasConstants = requires(const C& c, double* values) {
+  c.constants(values);
+};
 template <class C>
 concept HasSignal = requires(const C& c) {
   { c.signal(0.0, 1) } -> std::convertible_to<double>;
@@ -61,7 +77,12 @@ struct Local {
   explicit Local(const bramah_type& type) {
     const auto nx = static_cast<std::size_t>(type.nx), nz = static_cast<std::size_t>(type.nz);
     const std::size_t counts[families] = {
-        nx, nx, nx, nz, nz, static_cast<std::size_t>(type.nu),
+        nx,
+        nx,
+        nx,
+        nz,
+        nz,
+        static_cast<std::size_t>(type.nu),
         static_cast<std::size_t>(type.holonomic_count) + static_cast<std::size_t>(type.nonholonomic_count)};
     start[0] = 0;
     for (std::size_t f = 0; f < families; ++f) start[f + 1] = start[f] + counts[f];
@@ -107,7 +128,9 @@ inline bool has_entries(const bramah_batch& b, int block, std::size_t column) {
   const bramah_pattern& p = b.patterns[block];
   return p.count > 0 && p.start[column + 1] > p.start[column];
 }
-inline bool wanted(const bramah_batch& b, int block) { return b.partials[block] != nullptr && b.patterns[block].count > 0; }
+inline bool wanted(const bramah_batch& b, int block) {
+  return b.partials[block] != nullptr && b.patterns[block].count > 0;
+}
 inline double* record(const bramah_batch& b, int block, std::size_t i) {
   return b.partials[block] + static_cast<int64_t>(i) * b.patterns[block].count;
 }
@@ -130,16 +153,19 @@ struct BlockPair {  // the two row groups of a balance that a family of columns 
 inline constexpr BlockPair balance_blocks[families] = {
     {BRAMAH_F_X, BRAMAH_G_X}, {BRAMAH_F_V, BRAMAH_G_V}, {BRAMAH_F_A, -1}, {BRAMAH_F_Z, BRAMAH_G_Z},
     {-1, BRAMAH_G_ZDOT},      {BRAMAH_F_U, BRAMAH_G_U}, {-1, -1}};
-inline constexpr BlockPair output_blocks[families] = {{BRAMAH_Y_X, -1}, {BRAMAH_Y_V, -1},  {BRAMAH_Y_A, -1},
-                                                      {BRAMAH_Y_Z, -1}, {-1, -1},          {BRAMAH_Y_U, -1},
+inline constexpr BlockPair output_blocks[families] = {{BRAMAH_Y_X, -1},     {BRAMAH_Y_V, -1}, {BRAMAH_Y_A, -1},
+                                                      {BRAMAH_Y_Z, -1},     {-1, -1},         {BRAMAH_Y_U, -1},
                                                       {BRAMAH_Y_LAMBDA, -1}};
 
 inline std::size_t family_size(const bramah_type& t, std::size_t family) {
   switch (family) {
-    case X: case V: case A: return static_cast<std::size_t>(t.nx);
-    case Z: case ZDOT: return static_cast<std::size_t>(t.nz);
+    case X:
+    case V:
+    case A: return static_cast<std::size_t>(t.nx);
+    case Z:
+    case ZDOT: return static_cast<std::size_t>(t.nz);
     case U: return static_cast<std::size_t>(t.nu);
-    default: return static_cast<std::size_t>(t.holonomic_count + t.nonholonomic_count);
+    default: return static_cast<std::size_t>(t.holonomic_count) + static_cast<std::size_t>(t.nonholonomic_count);
   }
 }
 
@@ -169,7 +195,8 @@ void evaluate_rows(const bramah_type& type, const bramah_batch& b, const BlockPa
       double rows[most_columns] = {};
       law(instances[i], look(local, b), rows, rows + first_count);
       if (first_out != nullptr) std::memcpy(first_out + i * first_count, rows, first_count * sizeof(double));
-      if (second_out != nullptr) std::memcpy(second_out + i * second_count, rows + first_count, second_count * sizeof(double));
+      if (second_out != nullptr)
+        std::memcpy(second_out + i * second_count, rows + first_count, second_count * sizeof(double));
       continue;
     }
     Local<Seeded> local(type);
@@ -194,7 +221,8 @@ void evaluate_rows(const bramah_type& type, const bramah_batch& b, const BlockPa
         local[family][index].set_derivative(k - pass, 0.0);
       }
     }
-    for (std::size_t r = 0; first_out != nullptr && r < first_count; ++r) first_out[i * first_count + r] = rows[r].value();
+    for (std::size_t r = 0; first_out != nullptr && r < first_count; ++r)
+      first_out[i * first_count + r] = rows[r].value();
     for (std::size_t r = 0; second_out != nullptr && r < second_count; ++r) {
       second_out[i * second_count + r] = rows[first_count + r].value();
     }
@@ -248,7 +276,8 @@ void evaluate_holonomic(const bramah_type& type, const bramah_batch& b) {
 
   for (std::size_t i = 0; i < static_cast<std::size_t>(b.count); ++i) {
     const C& component = instances[i];
-    const double *x = b.x + i * nx, *v = b.v == nullptr ? nullptr : b.v + i * nx, *a = b.a == nullptr ? nullptr : b.a + i * nx;
+    const double *x = b.x + i * nx, *v = b.v == nullptr ? nullptr : b.v + i * nx,
+                 *a = b.a == nullptr ? nullptr : b.a + i * nx;
     const auto store_values = [&](std::size_t row, double c0, double c1, double c2) {
       if (b.c != nullptr) b.c[i * mh + row] = c0;
       if (b.r != nullptr) b.r[i * rows_all + row] = c1;
@@ -358,7 +387,8 @@ void evaluate_nonholonomic(const bramah_type& type, const bramah_batch& b) {
   const auto nx = static_cast<std::size_t>(type.nx), mh = static_cast<std::size_t>(type.holonomic_count);
   const auto ml = static_cast<std::size_t>(type.nonholonomic_count);
   const auto* instances = static_cast<const C*>(b.instances);
-  const bool partials = wanted(b, BRAMAH_R_X) || wanted(b, BRAMAH_R_V) || wanted(b, BRAMAH_S_X) || wanted(b, BRAMAH_S_V);
+  const bool partials =
+      wanted(b, BRAMAH_R_X) || wanted(b, BRAMAH_R_V) || wanted(b, BRAMAH_S_X) || wanted(b, BRAMAH_S_V);
   Columns columns;
   for (std::size_t j = 0; j < nx; ++j) {
     if (has_entries(b, BRAMAH_R_X, j) || has_entries(b, BRAMAH_S_X, j)) columns.add(X, j);
@@ -369,7 +399,8 @@ void evaluate_nonholonomic(const bramah_type& type, const bramah_batch& b) {
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(b.count); ++i) {
     const C& component = instances[i];
-    const double *x = b.x + i * nx, *v = b.v == nullptr ? nullptr : b.v + i * nx, *a = b.a == nullptr ? nullptr : b.a + i * nx;
+    const double *x = b.x + i * nx, *v = b.v == nullptr ? nullptr : b.v + i * nx,
+                 *a = b.a == nullptr ? nullptr : b.a + i * nx;
     const auto store_values = [&](std::size_t row, double b0, double b1) {
       if (b.r != nullptr) b.r[i * (mh + ml) + mh + row] = b0;
       if (b.s != nullptr) b.s[i * (mh + ml) + mh + row] = b1;
@@ -467,8 +498,13 @@ class Structure {
 
   [[nodiscard]] std::size_t columns(int block) const {
     switch (block) {
-      case BRAMAH_F_Z: case BRAMAH_G_Z: case BRAMAH_G_ZDOT: case BRAMAH_Y_Z: return family_size(type_, Z);
-      case BRAMAH_F_U: case BRAMAH_G_U: case BRAMAH_Y_U: return family_size(type_, U);
+      case BRAMAH_F_Z:
+      case BRAMAH_G_Z:
+      case BRAMAH_G_ZDOT:
+      case BRAMAH_Y_Z: return family_size(type_, Z);
+      case BRAMAH_F_U:
+      case BRAMAH_G_U:
+      case BRAMAH_Y_U: return family_size(type_, U);
       case BRAMAH_Y_LAMBDA: return family_size(type_, LAMBDA);
       default: return family_size(type_, X);
     }
@@ -489,15 +525,18 @@ inline void seed_all(Local<Trace>& local) {
 
 /// Returns the name of a dependence that no block can hold, or null.
 template <class C, class Law>
-const char* trace_rows(const bramah_type& type, const C& component, Structure& marks, const BlockPair (&blocks)[families],
-                       std::size_t first_count, std::size_t second_count, const Law& law) {
+const char* trace_rows(const bramah_type& type, const C& component, Structure& marks,
+                       const BlockPair (&blocks)[families], std::size_t first_count, std::size_t second_count,
+                       const Law& law) {
   auto local = std::make_unique<Local<Trace>>(type);
   seed_all(*local);
   std::vector<Trace> rows(first_count + second_count + 1);
+  // clang-format off
   const bramah_batch b{.size = sizeof(bramah_batch), .count = 1, .instances = nullptr, .time = 0.4, .side = 1,
                        .x = nullptr, .v = nullptr, .a = nullptr, .z = nullptr, .zdot = nullptr, .u = nullptr,
                        .lambda = nullptr, .f = nullptr, .g = nullptr, .c = nullptr, .r = nullptr, .s = nullptr,
                        .y = nullptr, .partials = {}, .patterns = nullptr, .failed = 0, .message = {}};
+  // clang-format on
   Trace::compared() = false;
   law(component, look(*local, b), rows.data(), rows.data() + first_count);
   const bool branches = Trace::compared();
@@ -560,7 +599,9 @@ void trace_nonholonomic(const bramah_type& type, const C& component, Structure& 
   component.nonholonomic(Motion<Trace>((*local)[X], (*local)[V], Trace::seed(0.4, Trace::most_seeds - 1), 1), out);
   const bool branches = Trace::compared();
   for (std::size_t row = mh; row < mh + ml; ++row) {
-    const auto depends = [&](Family f, std::size_t j) { return branches || rows[row].depends().test(local->start[f] + j); };
+    const auto depends = [&](Family f, std::size_t j) {
+      return branches || rows[row].depends().test(local->start[f] + j);
+    };
     for (std::size_t j = 0; j < nx; ++j) {
       if (depends(V, j)) {
         marks.set(BRAMAH_R_V, row, j);
@@ -628,12 +669,14 @@ struct Border {
       Structure marks(type, mark);
       const char* refused = nullptr;
       if constexpr (HasBalance<C>) {
-        refused = trace_rows(type, component, marks, balance_blocks, family_size(type, X), family_size(type, Z), balance_law);
+        refused =
+            trace_rows(type, component, marks, balance_blocks, family_size(type, X), family_size(type, Z), balance_law);
       }
       if constexpr (HasHolonomic<C>) trace_holonomic(type, component, marks);
       if constexpr (HasNonholonomic<C>) trace_nonholonomic(type, component, marks);
       if constexpr (HasOutput<C>) {
-        const char* also = trace_rows(type, component, marks, output_blocks, static_cast<std::size_t>(type.output_count), 0, output_law);
+        const char* also = trace_rows(type, component, marks, output_blocks,
+                                      static_cast<std::size_t>(type.output_count), 0, output_law);
         if (refused == nullptr) refused = also;
       }
       return refused == nullptr ? 0 : -1;
@@ -645,7 +688,8 @@ struct Border {
     try {
       const bramah_type& type = entry(self).type;
       if (wanted(*b, BRAMAH_L_X)) {
-        std::memset(b->partials[BRAMAH_L_X], 0, static_cast<std::size_t>(b->count * b->patterns[BRAMAH_L_X].count) * sizeof(double));
+        std::memset(b->partials[BRAMAH_L_X], 0,
+                    static_cast<std::size_t>(b->count * b->patterns[BRAMAH_L_X].count) * sizeof(double));
       }
       if constexpr (HasBalance<C>) {
         const auto nx = family_size(type, X), nz = family_size(type, Z);
@@ -661,7 +705,8 @@ struct Border {
       if constexpr (HasNonholonomic<C>) evaluate_nonholonomic<C>(type, *b);
       if constexpr (HasOutput<C>) {
         if (b->y != nullptr || wants_any(*b, BRAMAH_Y_X, BRAMAH_Y_LAMBDA)) {
-          evaluate_rows<C>(type, *b, output_blocks, static_cast<std::size_t>(type.output_count), 0, b->y, nullptr, output_law);
+          evaluate_rows<C>(type, *b, output_blocks, static_cast<std::size_t>(type.output_count), 0, b->y, nullptr,
+                           output_law);
         }
       }
       return 0;
@@ -714,9 +759,9 @@ struct Border {
       if (std::strcmp(id, BRAMAH_EXTENSION_SIGNAL) == 0) return &table;
     }
     if constexpr (HasSwitches<C>) {
-      static bramah_switches table{sizeof(bramah_switches), static_cast<std::int32_t>(entry(self).tables.switches.size()),
-                                   entry(self).tables.switches.data(), entry(self).tables.switch_nominal.data(),
-                                   &Border::switch_values};
+      static bramah_switches table{
+          sizeof(bramah_switches), static_cast<std::int32_t>(entry(self).tables.switches.size()),
+          entry(self).tables.switches.data(), entry(self).tables.switch_nominal.data(), &Border::switch_values};
       if (std::strcmp(id, BRAMAH_EXTENSION_SWITCHES) == 0) return &table;
     }
     return nullptr;
@@ -781,8 +826,14 @@ const bramah_library* library(const char* name, const char* version) noexcept tr
     std::size_t k = 0;
     (describe_type<Cs>(made->entries[k++]), ...);
     for (std::size_t i = 0; i < sizeof...(Cs); ++i) made->types[i] = &made->entries[i].type;
-    made->library = {sizeof(bramah_library), BRAMAH_ABI_EPOCH, BRAMAH_ABI_MINOR, name, version, __VERSION__,
-                     made->types, static_cast<std::int32_t>(sizeof...(Cs))};
+    made->library = {sizeof(bramah_library),
+                     BRAMAH_ABI_EPOCH,
+                     BRAMAH_ABI_MINOR,
+                     name,
+                     version,
+                     __VERSION__,
+                     made->types,
+                     static_cast<std::int32_t>(sizeof...(Cs))};
     return made;
   }();
   return &tables->library;
@@ -793,7 +844,7 @@ const bramah_library* library(const char* name, const char* version) noexcept tr
 }  // namespace bramah::detail
 
 /// The one exported function of a library: BRAMAH_LIBRARY("valves", "1.0.0", ThrottleValve, CheckValve)
-#define BRAMAH_LIBRARY(name, version, ...)                                                              \
+#define BRAMAH_LIBRARY(name, version, ...)                                                          \
   extern "C" __attribute__((visibility("default"))) const bramah_library* bramah_library_v1(void) { \
-    return bramah::detail::library<__VA_ARGS__>(name, version);                                        \
+    return bramah::detail::library<__VA_ARGS__>(name, version);                                     \
   }

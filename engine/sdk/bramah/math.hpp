@@ -40,19 +40,19 @@ BRAMAH_INLINE Taylor<T, K> series(const Taylor<T, K>& u, const T& f, const T& df
 }
 
 // Each function in one place: its slope and curvature as expressions of the argument `a` and of the value `f`.
-#define BRAMAH_FUNCTION(name, slope, curvature)                                            \
-  template <std::size_t N>                                                                 \
-  BRAMAH_INLINE Dual<N> name(const Dual<N>& d) {                                           \
-    const double a = d.value();                                                            \
-    [[maybe_unused]] const double f = name(a);                                             \
-    return chain(d, f, slope);                                                             \
-  }                                                                                        \
-  inline Trace name(const Trace& t) { return Trace::curved(name(t.number()), t, t); }      \
-  template <class T, int K>                                                                \
-  BRAMAH_INLINE Taylor<T, K> name(const Taylor<T, K>& u) {                                 \
-    const T& a = u.c[0];                                                                   \
-    [[maybe_unused]] const T f = name(a);                                                  \
-    return series(u, f, T(slope), T(curvature));                                           \
+#define BRAMAH_FUNCTION(name, slope, curvature)                                       \
+  template <std::size_t N>                                                            \
+  BRAMAH_INLINE Dual<N> name(const Dual<N>& d) {                                      \
+    const double a = d.value();                                                       \
+    [[maybe_unused]] const double f = name(a);                                        \
+    return chain(d, f, slope);                                                        \
+  }                                                                                   \
+  inline Trace name(const Trace& t) { return Trace::curved(name(t.number()), t, t); } \
+  template <class T, int K>                                                           \
+  BRAMAH_INLINE Taylor<T, K> name(const Taylor<T, K>& u) {                            \
+    const T& a = u.c[0];                                                              \
+    [[maybe_unused]] const T f = name(a);                                             \
+    return series(u, f, T(slope), T(curvature));                                      \
   }
 
 BRAMAH_FUNCTION(sqrt, 0.5 / f, -0.25 / (f * a))
