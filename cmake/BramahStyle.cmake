@@ -20,6 +20,11 @@ endif()
 
 if(CLANG_TIDY AND RUN_CLANG_TIDY)
   list(JOIN style_folders "|" folders)
-  add_custom_target(tidy COMMAND ${RUN_CLANG_TIDY} -quiet -clang-tidy-binary ${CLANG_TIDY} -p ${CMAKE_BINARY_DIR}
-                                 "^${CMAKE_SOURCE_DIR}/(${folders})/.*[.]cpp$" VERBATIM)
+  set(tidy_dir ${CMAKE_BINARY_DIR}/tidy)  # the compile commands without what only GCC knows
+  add_custom_target(tidy
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${tidy_dir}
+    COMMAND sed -n -e "s/ -fno-gnu-unique//" -e "w ${tidy_dir}/compile_commands.json" ${CMAKE_BINARY_DIR}/compile_commands.json
+    COMMAND ${RUN_CLANG_TIDY} -quiet -clang-tidy-binary ${CLANG_TIDY} -p ${tidy_dir}
+            "^${CMAKE_SOURCE_DIR}/(${folders})/.*[.]cpp$"
+    VERBATIM)
 endif()

@@ -42,9 +42,9 @@ std::string digits(double value) {
 /// Unknowns y = (x, v, z, lambda, mu), each over its nominal, and rows in the order of the header comment.
 class Integration {
  public:
-  Integration(const System& system, const SimulateOptions& options, State start)
+  Integration(const System& system, SimulateOptions options, State start)
       : system_(system),
-        options_(options),
+        options_(std::move(options)),
         partition_(choose_partition(system, start)),
         blocks_(system),
         kkt_(system, partition_.rows),

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <ranges>
 
 namespace bramah::sparse {
 namespace {
@@ -95,8 +94,9 @@ void RankLu::factor(const CscView& a, const RankLuOptions& options) {
     }
     for (std::int64_t e = a.start[column]; e < a.start[column + 1]; ++e)
       work[static_cast<std::size_t>(a.row[e])] = a.value[e];
-    for (const std::int64_t earlier : std::views::reverse(topological)) {
-      const auto k = static_cast<std::size_t>(earlier);
+    // NOLINTNEXTLINE(modernize-loop-convert): clang 14 cannot read the ranges of GCC's library
+    for (auto it = topological.rbegin(); it != topological.rend(); ++it) {
+      const auto k = static_cast<std::size_t>(*it);
       const double u = work[static_cast<std::size_t>(pivot_rows_[k])];
       if (u == 0.0) continue;
       for (std::int64_t p = l_start_[k]; p < l_start_[k + 1]; ++p) {

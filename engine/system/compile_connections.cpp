@@ -117,7 +117,7 @@ std::string Compiler::wanted(const bramah_port_info& port) const {
 }
 
 void Compiler::check_connected(const Draft& draft, const bramah_port_info& port) {
-  if (port.required == 0 || draft.value->find(port.name) != nullptr || draft.meant.count(port.name) > 0) return;
+  if (port.required == 0 || draft.value->find(port.name) != nullptr || draft.meant.contains(port.name)) return;
   faults_.add("missing-port", draft.where,
               std::string("port \"") + port.name + "\" of " + draft.type->name + " is not connected", wanted(port),
               std::string("add \"") + port.name + "\" to \"" + draft.name + '"', true);

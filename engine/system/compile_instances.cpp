@@ -152,6 +152,7 @@ void Compiler::read_start() {
       }
     } else if (!faults_.is_unread(member.key)) {
       std::vector<std::string> names;
+      names.reserve(positions.size() + rates.size());
       for (const auto& [name, unused] : positions) names.push_back(name);
       for (const auto& [name, unused] : rates) names.push_back(name);
       std::sort(names.begin(), names.end());

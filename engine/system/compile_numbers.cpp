@@ -66,7 +66,7 @@ bool Numbers::is_finite(double value, const std::string& where) {
 
 /// Number and unit of a text; a fault where it has no number.
 std::optional<Quantity> Numbers::quantity_of(const std::string& text, const std::string& where, std::string_view unit) {
-  const std::optional<Quantity> quantity = parse_quantity(text);
+  std::optional<Quantity> quantity = parse_quantity(text);
   if (quantity) return quantity;
   const std::string found = named(where) + " is " + description(text), example = "\"1 " + std::string(unit) + "\"";
   if (begins_a_number(text)) {
@@ -176,7 +176,7 @@ void Numbers::report_unused(const Value& root) {
   if (section == nullptr || section->object() == nullptr) return;
   const bool all_read = faults_.list.empty();  // else it may be used where nothing could be read
   for (const Member& member : *section->object()) {
-    if (used_.count(member.key) > 0 || (!all_read && refers(root, "=" + member.key))) continue;
+    if (used_.contains(member.key) || (!all_read && refers(root, "=" + member.key))) continue;
     faults_.add("unused", pointer("/constants", member.key), "constant \"" + member.key + "\" is used nowhere",
                 "every constant to be used", "remove it, or refer to it as \"=" + member.key + "\"", true);
   }

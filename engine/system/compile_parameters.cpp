@@ -58,7 +58,7 @@ void Compiler::find_type(Draft& draft) {
     return;
   }
   // Once is enough for a library that could not be loaded, is misspelt in the list or has been forgotten there.
-  if (broken_libraries_.count(library) > 0) return;
+  if (broken_libraries_.contains(library)) return;
   if (!listed) {
     const bool meant_by_other =
         std::any_of(broken_libraries_.begin(), broken_libraries_.end(), [&](const std::string& other) {
@@ -99,6 +99,7 @@ void Compiler::read_parameters(Draft& draft) {
   const bramah_type& type = *draft.type;
   const std::size_t before = faults_.list.size();
   std::vector<std::string> keys;
+  keys.reserve(static_cast<std::size_t>(type.port_count) + static_cast<std::size_t>(type.parameter_count));
   for (std::int32_t i = 0; i < type.port_count; ++i) keys.emplace_back(type.ports[i].name);
   for (std::int32_t i = 0; i < type.parameter_count; ++i) keys.emplace_back(type.parameters[i].name);
   for (const Member& member : *draft.value->object()) {
@@ -128,7 +129,7 @@ void Compiler::read_parameter(Draft& draft, const bramah_parameter_info& info, s
   const std::string unit = parameter_unit(*draft.type, info.unit, draft);
   if (value == nullptr) {
     if (info.required != 0) {
-      if (draft.meant.count(info.name) > 0) return;
+      if (draft.meant.contains(info.name)) return;
       faults_.add("missing-parameter", draft.where,
                   std::string("parameter \"") + info.name + "\" of " + draft.type->name + " is missing",
                   std::string(info.doc) + (unit.empty() || unit == "1" ? "" : ", in " + unit),

@@ -109,7 +109,7 @@ void Compiler::drop_without_storage(std::vector<bool>& stored) const {
       const bramah_pattern& p = group.pattern_views[BRAMAH_G_ZDOT];
       const std::span<const double> values = blocks.block(k, BRAMAH_G_ZDOT);
       for (std::size_t e = 0; e < values.size(); ++e) {
-        const std::size_t count = static_cast<std::size_t>(p.count), slots = static_cast<std::size_t>(group.type->nz);
+        const auto count = static_cast<std::size_t>(p.count), slots = static_cast<std::size_t>(group.type->nz);
         const std::int32_t row = group.z[e / count * slots + static_cast<std::size_t>(p.row[e % count])];
         if (row < s.nz() && values[e] != 0.0) seen[static_cast<std::size_t>(row)] = true;
       }

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -40,7 +41,7 @@ class Cli : public testing::Test {
  protected:
   void SetUp() override {
     const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / (std::string("bramah_cli_") + info->name());
+    folder_ = fs::path(testing::TempDir()) / ("bramah_cli_" + std::to_string(getpid()) + "_" + info->name());
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }
@@ -337,7 +338,7 @@ TEST_F(Cli, ImpossibleAnalysisExitsWithOne) {
   write_changed("far.json", R"("point_b": [10, 0])", R"("point_b": [100, 0])");
   const Ended run = bramah("check far.json");
   EXPECT_EQ(run.code, 1);
-  EXPECT_THAT(run.err, HasSubstr("far.json: error: "));
+  EXPECT_THAT(run.err, HasSubstr("far.json:26:5: error: assembly: "));
   EXPECT_THAT(run.err, HasSubstr("expected"));
   const json d = document("equilibrium far.json", 1);
   EXPECT_EQ(d.at("error").at("kind"), "analysis");

@@ -103,7 +103,7 @@ TEST_P(Table3, SpoolColumn) {
   const auto all = reference("four_bar.json");
   for (const int side : {1, -1}) {
     std::vector<std::string> settings = friction().settings;
-    settings.push_back(side > 0 ? "linearize.side=+" : "linearize.side=-");
+    settings.emplace_back(side > 0 ? "linearize.side=+" : "linearize.side=-");
     const Machine machine = load(model().scene, settings);
     Equilibrium equilibrium = find_equilibrium(machine.system(), machine.options().equilibrium);
     equilibrium.state.side = machine.options().linearize.side;

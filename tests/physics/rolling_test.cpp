@@ -10,6 +10,7 @@ namespace {
 
 struct Case {
   std::string name, shape, motion;
+  // NOLINTNEXTLINE(readability-identifier-naming): the name that GoogleTest looks for
   friend void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 };
 const std::vector<Case> cases = {{"disc", "thin disc", "straight"},

@@ -253,12 +253,9 @@ TEST(SparsePlan, IsTheSumOfBlocksAtTheirPlaces) {
     const auto global_row = [&](const Group& group, int block, std::size_t i, std::size_t row) -> Index {
       const auto k = [&](std::int32_t slots) { return i * static_cast<std::size_t>(slots) + row; };
       switch (block) {
-        case BRAMAH_R_V:
-          return group.first_holonomic[i] + static_cast<Index>(row);
-        case BRAMAH_G_Z:
-          return group.z[k(group.type->nz)];
-        default:
-          return group.x[k(group.type->nx)];
+        case BRAMAH_R_V: return group.first_holonomic[i] + static_cast<Index>(row);
+        case BRAMAH_G_Z: return group.z[k(group.type->nz)];
+        default: return group.x[k(group.type->nx)];
       }
     };
     for (const Term& term : terms) {
