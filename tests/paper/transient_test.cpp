@@ -100,6 +100,7 @@ TEST_P(Transient, LinearModelOverlaid) {
   const Partition partition = choose_partition(machine.system(), start, machine.options().linearize.independent);
   const LinearModel model = linear_model(machine, start);
   const State& release = at(result, 1.5);
+  // NOLINTNEXTLINE(readability-suspicious-call-argument): the names are not swapped, only alike
   const Eigen::VectorXd X0 = reduced_deviation(machine.system(), partition, release, start);
 
   std::vector<double> times;
