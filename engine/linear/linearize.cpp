@@ -2,9 +2,9 @@
 
 #include <Eigen/SparseCore>
 #include <cmath>
-#include <cstdio>
 
 #include "system/analysis_error.hpp"
+#include "system/message.hpp"
 
 namespace bramah {
 namespace {
@@ -26,11 +26,6 @@ void factor(sparse::Klu& lu, const SparsePlan& plan, const char* what) {
   if (lu.factor(view(plan))) return;
   throw AnalysisError("linearize", std::string(what) + " is singular at this state", "a partition that holds here",
                       "choose the independent coordinates anew at this state, or prescribe others");
-}
-std::string digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
 }
 std::string per_second(const std::string& unit) { return unit == "1" ? "1/s" : unit + "/s"; }
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 #include "sparse/klu.hpp"
 #include "system/analysis_error.hpp"
+#include "system/message.hpp"
 
 namespace bramah {
 namespace {
@@ -16,12 +16,6 @@ namespace {
 constexpr double regularization = 1e-11;
 constexpr int most_iterations = 100;
 constexpr double position_tolerance = 1e-14;  // in the unit of the row (m, rad, 1), times the terms' size
-
-std::string digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
 
 /// Solves  min |W^-1 d|  subject to  D d = -residual  through  [W^-2 D^T; D -eps I].
 class NearestPoint {

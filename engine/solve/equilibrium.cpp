@@ -2,20 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "solve/assemble.hpp"
 #include "sparse/rank_lu.hpp"
 #include "system/analysis_error.hpp"
+#include "system/message.hpp"
 
 namespace bramah {
 namespace {
-
-std::string digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
 
 /// Newton's method on (x, z, lambda) without the held variables, by a rank-revealing factorization: a direction that no
 /// row resists is left where it is.

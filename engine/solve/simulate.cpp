@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <exception>
 #include <memory>
 #include <utility>
@@ -18,6 +17,7 @@
 #include "solve/kkt.hpp"
 #include "sparse/klu.hpp"
 #include "system/analysis_error.hpp"
+#include "system/message.hpp"
 
 namespace bramah {
 namespace {
@@ -32,12 +32,6 @@ constexpr double least_tolerance = 1e-13;
 constexpr double multiplier_slack = 1e6;
 constexpr double first_step = 1e-6;  // s, after every start; IDA's own guess is too bold for index 2
 constexpr long most_steps_between_outputs = 5'000'000;
-
-std::string digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
 
 /// Unknowns y = (x, v, z, lambda, mu), each over its nominal, and rows in the order of the header comment.
 class Integration {
@@ -386,7 +380,7 @@ void Integration::fail(int flag) {
   if (flag == IDA_LSOLVE_FAIL || !singular_.empty()) why += ", the iteration matrix is singular at " + singular_;
   if (!trouble_.empty()) why += "; " + trouble_;
   throw AnalysisError(
-      "simulate", "at t = " + digits(t_) + " s with a step of " + digits(step) + " s " + why + limiting,
+      "simulate", "at t = " + digits(t_, 6) + " s with a step of " + digits(step, 6) + " s " + why + limiting,
       "a motion that can be continued",
       "look at that component just before this time; a mechanism may be passing a singular position, a volume or a length zero");
 }
