@@ -15,6 +15,7 @@
 #include "linear/spectrum.hpp"
 #include "solve/equilibrium.hpp"
 #include "solve/kkt.hpp"
+#include "solve/redundancy.hpp"
 #include "solve/simulate.hpp"
 #include "support/generators.hpp"
 
@@ -162,6 +163,17 @@ void partition(benchmark::State& run, const Case& c) {
   const Machine& machine = c.machine();
   for (auto _ : run) benchmark::DoNotOptimize(choose_partition(machine.system(), machine.state));
   describe(run, c);
+}
+
+/// Rank, coordinates and the texts on redundant rows.
+void redundancy(benchmark::State& run, const Case& c) {
+  const Machine& machine = c.machine();
+  for (auto _ : run) {
+    const Partition partition = choose_partition(machine.system(), machine.state);
+    benchmark::DoNotOptimize(describe_redundancy(machine.system(), machine.state, partition));
+  }
+  describe(run, c);
+  run.counters["redundant"] = static_cast<double>(machine.partition.redundant.size());
 }
 
 void linearizer_setup(benchmark::State& run, const Case& c) {
@@ -316,6 +328,7 @@ constexpr std::array works = {
     Work{"equilibrium", equilibrium},
     Work{"ida_step", ida_step, Work::Time::once},
     Work{"partition", partition},
+    Work{"redundancy", redundancy},
     Work{"linearizer_setup", linearizer_setup},
     Work{"linearize_reduced", linearize_reduced},
     Work{"linearize_augmented", linearize_augmented, Work::Time::own},
@@ -327,6 +340,9 @@ constexpr std::array works = {
 void add_benchmarks() {
   for (const Work& work : works) {
     for (const Case& c : cases()) {
+      if (c.only_partition() && std::string_view(work.name) != "partition" &&
+          std::string_view(work.name) != "redundancy")
+        continue;
       const auto run = [&work, &c](benchmark::State& state) {
         try {
           work.run(state, c);

@@ -21,10 +21,13 @@ struct Machine {
 /// A family of machines at one size.
 class Case {
  public:
-  Case(std::string family, int size, Scene (*rest)(int), Scene (*general)(int));
+  /// What is measured of the machine: everything, or its partition only, up to sizes at which the rest takes too long.
+  enum class Extent { all, partition };
+  Case(std::string family, int size, Scene (*rest)(int), Scene (*general)(int), Extent extent = Extent::all);
 
   [[nodiscard]] const std::string& family() const { return family_; }
   [[nodiscard]] int bodies() const { return size_; }
+  [[nodiscard]] bool only_partition() const { return extent_ == Extent::partition; }
   [[nodiscard]] std::string name() const;
   /// The scene whose equilibrium is sought: assembled, at rest, multipliers zero.
   [[nodiscard]] Scene at_rest() const { return at_rest_(size_); }
@@ -36,10 +39,11 @@ class Case {
   int size_;
   Scene (*at_rest_)(int);
   Scene (*general_)(int);
+  Extent extent_;
   mutable std::unique_ptr<Machine> machine_;
 };
 
-/// The four-bar and the chains of 10, 100 and 1000 bodies.
+/// The four-bar, the chains of 10, 100 and 1000 bodies, and longer ones and ladders for the partition.
 const std::vector<Case>& cases();
 
 }  // namespace bramah::bench

@@ -2,6 +2,7 @@
 #include <bramah/component.hpp>
 
 #include "coordinate_force.hpp"
+#include "cylindrical.hpp"
 #include "force.hpp"
 #include "gravity.hpp"
 #include "ground.hpp"
@@ -14,10 +15,12 @@
 #include "planar_stroke.hpp"
 #include "planar_torque.hpp"
 #include "planar_traction.hpp"
+#include "prismatic.hpp"
 #include "revolute.hpp"
 #include "rigid_body.hpp"
 #include "rolling_disc.hpp"
 #include "rolling_wheel.hpp"
+#include "spherical.hpp"
 #include "spring_damper.hpp"
 #include "stroke.hpp"
 #include "torque.hpp"
@@ -28,5 +31,6 @@
 using namespace bramah::mechanics;
 
 BRAMAH_LIBRARY("mechanics", "0.1.0", Ground, UniformGravity, RigidBody, PlanarBody, Mass, Wheel, RollingDisc, Revolute,
-               Universal, PlanarRevolute, Stroke, PlanarStroke, RollingWheel, KnifeEdge, CoordinateForce, Force, Torque,
-               PlanarForce, PlanarTorque, PlanarTraction, SpringDamper, TorsionSpring, PlanarBushing)
+               Universal, Spherical, Cylindrical, Prismatic, PlanarRevolute, Stroke, PlanarStroke, RollingWheel,
+               KnifeEdge, CoordinateForce, Force, Torque, PlanarForce, PlanarTorque, PlanarTraction, SpringDamper,
+               TorsionSpring, PlanarBushing)

@@ -46,7 +46,7 @@ Linearization linearize(const Context& context) {
     result.state = consistent_start(context.system(), options, context.start_time());
   }
   result.state.side = options.linearize.side;
-  result.partition = choose_partition(context.system(), result.state, options.linearize.independent);
+  result.partition = choose_partition(context.system(), result.state, options.linearize.prescribed);
   Linearizer(context.system(), result.partition, options.outputs).linearize(result.state, result.model);
   return result;
 }

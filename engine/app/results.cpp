@@ -194,6 +194,7 @@ std::string linear_document(const System& system, const Linearization& linear) {
     json.end_object().end_object();
   }
   json.end_list();
+  write_redundancy(json, describe_redundancy(system, linear.state, linear.partition), system);
   json.key("kinks").begin_list();
   for (const KinkTaken& kink : model.kinks) {
     json.begin_flat_object()
@@ -217,13 +218,37 @@ std::string linear_document(const System& system, const Linearization& linear) {
   return json.take();
 }
 
-std::string redundancy_text(const std::vector<RedundantSet>& sets) {
+std::string redundancy_text(const std::vector<RedundantSet>& sets, const System& system) {
   std::string out;
-  for (const RedundantSet& set : sets) out += "Redundant: " + set.text + ".\n";
-  if (!sets.empty())
+  for (const RedundantSet& set : sets) {
+    out += "Redundant: " + counted(set.rows.size(), "row") + " of " + set.joints +
+           (set.geometry.empty() ? "" : " " + set.geometry) + "\n";
+    out += "  follow from the others  " + row_names(system, set.rows) + "\n";
+    if (!set.undetermined.empty()) out += "  undetermined            " + set.undetermined + "\n";
+    out += "  to avoid it             " + set.remedy + "\n";
+  }
+  if (!sets.empty()) {
     out +=
-        "The motion does not depend on redundant rows; their multipliers are not unique, those of least norm are shown.\n";
+        "Redundant rows agree with the others, and the motion does not depend on them. Their multipliers are not unique;\n"
+        "those of least norm are given.\n";
+  }
   return out;
+}
+
+void write_redundancy(JsonWriter& json, const std::vector<RedundantSet>& sets, const System& system) {
+  json.key("redundant_sets").begin_list();
+  for (const RedundantSet& set : sets) {
+    json.begin_object()
+        .member("joints", set.joints)
+        .member("geometry", set.geometry)
+        .key("components")
+        .begin_list(true);
+    for (const Index i : set.components) json.value(system.component_name(i));
+    json.end_list().key("rows").begin_list(true);
+    for (const Index row : set.rows) json.value(system.constraint(row).name);
+    json.end_list().member("undetermined", set.undetermined).member("remedy", set.remedy).end_object();
+  }
+  json.end_list();
 }
 
 std::string linear_notes(const System& system, const Linearization& linear) {
@@ -232,7 +257,7 @@ std::string linear_notes(const System& system, const Linearization& linear) {
     out +=
         "Linearized at the start state. Away from equilibria and steady motions the model holds for short times only.\n";
   }
-  out += redundancy_text(describe_redundancy(system, linear.partition));
+  out += redundancy_text(describe_redundancy(system, linear.state, linear.partition), system);
   if (!linear.model.kinks.empty()) {
     out += "Laws with a kink at this state; derivatives are those of side " +
            side_text(linear.model.kinks.front().side) + ":\n";

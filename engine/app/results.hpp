@@ -31,7 +31,9 @@ std::string free_directions_text(const std::vector<FreeDirection>& directions);
 
 std::string linear_document(const System& system, const Linearization& linear);
 /// What is redundant, in terms of joints; empty where nothing is.
-std::string redundancy_text(const std::vector<RedundantSet>& sets);
+std::string redundancy_text(const std::vector<RedundantSet>& sets, const System& system);
+/// The same as "redundant_sets".
+void write_redundancy(JsonWriter& json, const std::vector<RedundantSet>& sets, const System& system);
 /// Notes on redundant rows and one-sided derivatives; empty where there are none.
 std::string linear_notes(const System& system, const Linearization& linear);
 

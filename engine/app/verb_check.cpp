@@ -21,12 +21,17 @@ Assembly assemble(const Context& context) {
   Assembly result;
   try {
     result.state = consistent_start(context.system(), context.options(), context.start_time());
-    result.partition = choose_partition(context.system(), result.state, context.options().linearize.independent);
+    result.partition = choose_partition(context.system(), result.state, context.options().linearize.prescribed);
   } catch (const AnalysisError& error) {
     result.state = initial_state(context.system(), context.start_time());
     result.failure = Failure::analysis(context.scene.source, error);
   }
   return result;
+}
+
+std::vector<RedundantSet> redundancy(const Context& context, const Assembly& assembly) {
+  if (!assembly.partition) return {};
+  return describe_redundancy(context.system(), assembly.state, *assembly.partition);
 }
 
 bool held(const std::vector<Index>& list, std::size_t i) {
@@ -66,7 +71,9 @@ std::string document(const Context& context, const Assembly& assembly) {
   if (assembly.partition) {
     for (const RedundantRow& row : assembly.partition->redundant) json.value(system.constraint(row.row).name);
   }
-  json.end_list().member("assembled", !assembly.failure).end_object();
+  json.end_list();
+  write_redundancy(json, redundancy(context, assembly), system);
+  json.member("assembled", !assembly.failure).end_object();
   return json.take();
 }
 
@@ -104,7 +111,8 @@ std::string text(const Context& context, const Assembly& assembly) {
   for (const Table* table : {&inputs, &rows, &outputs}) {
     if (!table->rows.empty()) out += '\n' + as_text(*table);
   }
-  return out;
+  const std::string repeated = redundancy_text(redundancy(context, assembly), system);
+  return repeated.empty() ? out : out + '\n' + repeated;
 }
 
 int run(const Arguments& arguments) {

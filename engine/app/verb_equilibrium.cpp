@@ -22,7 +22,7 @@ int run(const Arguments& arguments) {
   }
   out += "\nfound in " + counted(static_cast<std::size_t>(equilibrium.iterations), "iteration") +
          ", largest residual " + short_number(equilibrium.residual, 2) + " of its terms\n" +
-         free_directions_text(equilibrium.free_directions) + redundancy_text(equilibrium.redundancy);
+         free_directions_text(equilibrium.free_directions) + redundancy_text(equilibrium.redundancy, context.system());
   deliver(arguments, "equilibrium.json", equilibrium_document(system, equilibrium), out);
   return exit_ok;
 }

@@ -82,7 +82,7 @@ int run_along(const Context& context) {
   std::size_t next = 0;
   const auto choose = [&](const State& state) {
     linearizer = std::make_unique<Linearizer>(
-        system, choose_partition(system, state, context.options().linearize.independent), context.options().outputs);
+        system, choose_partition(system, state, context.options().linearize.prescribed), context.options().outputs);
   };
   const Transient transient = run_transient(context, options, nullptr, true, [&](const State& state, const Vector&) {
     // Both sides of a jump of the inputs are output; the later one counts.

@@ -282,12 +282,17 @@ void Linearizer::measure(LinearModel& model, Eigen::Index states) const {
       case Measured::Kind::input: row = motion_.row(2 * n + nz + y.index); break;
       case Measured::Kind::y: row = of_components.row(y.index); break;
       case Measured::Kind::lambda: {
-        const auto at = std::find(partition_.rows.begin(), partition_.rows.end(), y.index);
-        if (at == partition_.rows.end()) {
+        const auto undetermined = [&](const RedundantRow& redundant) {
+          const auto& others = redundant.follows_from;
+          return redundant.row == y.index ||
+                 std::any_of(others.begin(), others.end(), [&](const auto& other) { return other.first == y.index; });
+        };
+        if (std::any_of(partition_.redundant.begin(), partition_.redundant.end(), undetermined)) {
           throw AnalysisError(
-              "linearize", "the multiplier " + y.name + " belongs to a redundant row and is not determined",
+              "linearize", "the multiplier " + y.name + " belongs to a redundant set and is not determined",
               "outputs that the model determines", "take it out of the scene's outputs, or remove the redundant joint");
         }
+        const auto at = std::find(partition_.rows.begin(), partition_.rows.end(), y.index);
         row = response_.row(n + (at - partition_.rows.begin()));
         break;
       }

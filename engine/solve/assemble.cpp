@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "solve/redundancy.hpp"
 #include "sparse/klu.hpp"
 #include "system/analysis_error.hpp"
 #include "system/message.hpp"
@@ -20,34 +21,39 @@ constexpr double position_tolerance = 1e-14;  // in the unit of the row (m, rad,
 /// Solves  min |W^-1 d|  subject to  D d = -residual  through  [W^-2 D^T; D -eps I].
 class NearestPoint {
  public:
-  NearestPoint(const System& system, Index rows, int block, std::span<const Index> fixed)
-      : n_(system.n()), rows_(rows), weights_(system.x.size()) {
+  /// `rows`: those of the block that shall close.
+  NearestPoint(const System& system, std::span<const Index> rows, int block, std::span<const Index> fixed)
+      : n_(system.n()), rows_(rows.begin(), rows.end()), weights_(system.x.size()) {
     for (std::size_t i = 0; i < weights_.size(); ++i) {
       weights_[i] = 1.0 / (system.x[i].nominal * system.x[i].nominal);
     }
     std::vector<Index> free = shifted(n_, 0);
     for (const Index i : fixed) free[static_cast<std::size_t>(i)] = -1;  // their columns of D vanish
-    const std::vector<Index> constraints = shifted(rows, n_);
+    const auto count = static_cast<Index>(rows.size());
+    size_ = n_ + count;
+    const Index all = block == BRAMAH_C_X ? system.m() : system.m() + system.l();
+    const std::vector<Index> constraints = selected(all, rows, n_);
     const Term terms[] = {{block, constraints, free, false, 0}, {block, constraints, free, true, 0}};
-    const Diagonal diagonals[] = {{0, 0, n_, 0, weights_}, {n_, n_, rows, 1, {}}};
-    plan_ = SparsePlan(system, n_ + rows, n_ + rows, terms, diagonals);
-    lu_.analyze({n_ + rows, n_ + rows, plan_.start().data(), plan_.row().data(), plan_.values().data()});
-    rhs_.resize(static_cast<std::size_t>(n_ + rows));
+    const Diagonal diagonals[] = {{0, 0, n_, 0, weights_}, {n_, n_, count, 1, {}}};
+    plan_ = SparsePlan(system, size_, size_, terms, diagonals);
+    lu_.analyze({size_, size_, plan_.start().data(), plan_.row().data(), plan_.values().data()});
+    rhs_.resize(static_cast<std::size_t>(size_));
   }
   /// The correction d (n), or an empty span where the matrix cannot be factored.
   std::span<const double> solve(const Blocks& blocks, const Vector& residual) {
     const double weights[] = {1.0, -regularization};
     plan_.fill(blocks, weights);
-    const Index size = n_ + rows_;
-    if (!lu_.factor({size, size, plan_.start().data(), plan_.row().data(), plan_.values().data()})) return {};
+    if (!lu_.factor({size_, size_, plan_.start().data(), plan_.row().data(), plan_.values().data()})) return {};
     std::fill_n(rhs_.begin(), n_, 0.0);
-    for (Index k = 0; k < rows_; ++k) rhs_[static_cast<std::size_t>(n_ + k)] = -residual[static_cast<std::size_t>(k)];
+    for (std::size_t k = 0; k < rows_.size(); ++k)
+      rhs_[static_cast<std::size_t>(n_) + k] = -residual[static_cast<std::size_t>(rows_[k])];
     lu_.solve(rhs_);
     return {rhs_.data(), static_cast<std::size_t>(n_)};
   }
 
  private:
-  Index n_, rows_;
+  Index n_, size_ = 0;
+  std::vector<Index> rows_;
   std::vector<double> weights_;
   SparsePlan plan_;
   sparse::Klu lu_;
@@ -75,6 +81,12 @@ std::string names_of(const System& system, std::span<const Index> coordinates) {
   return names;
 }
 
+double size_of(const Vector& rows) {
+  double largest = 0.0;
+  for (const double row : rows) largest = std::max(largest, std::abs(row));
+  return largest;
+}
+
 /// The row that is open most and those that are half as open, for contradictions spread over all rows that take part.
 std::string open_rows(const System& system, const Vector& c, Index most) {
   const Row& first = system.constraint(most);
@@ -91,6 +103,51 @@ std::string open_rows(const System& system, const Vector& c, Index most) {
          (count == 0 ? " stays" : " stay") + " open by " + (count == 0 ? "" : "up to ") + with_unit(gap, first.unit);
 }
 
+double size_of(const Vector& c, std::span<const Index> rows) {
+  double largest = 0.0;
+  for (const Index row : rows) largest = std::max(largest, std::abs(c[static_cast<std::size_t>(row)]));
+  return largest;
+}
+
+/// Newton's method from state.x for the `rows` of c; true where they close. `blocks.c` holds all rows at the end.
+bool close(const System& system, State& state, std::span<const Index> rows, std::span<const Index> fixed,
+           Blocks& blocks) {
+  NearestPoint nearest(system, rows, BRAMAH_C_X, fixed);
+  const Request request = Request{}.rows("c").blocks({BRAMAH_C_X});
+  const auto evaluate = [&] {
+    const Outcome outcome = blocks.evaluate(system, state, request);
+    if (!outcome.ok()) {
+      throw AnalysisError("assembly", outcome.message, "constraints that can be evaluated at the start values",
+                          "move the start values: two points may coincide", place_of(system, outcome));
+    }
+  };
+  evaluate();
+  double residual = size_of(blocks.c, rows);
+  double scale = 1.0;
+  for (const double x : state.x) scale = std::max(scale, std::abs(x));
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    if (residual <= position_tolerance * scale) return true;
+    const std::span<const double> step = nearest.solve(blocks, blocks.c);
+    if (step.empty()) break;
+    const Vector before = state.x;
+    double factor = 1.0;
+    bool better = false;
+    for (int half = 0; half < 12 && !better; ++half, factor *= 0.5) {
+      for (std::size_t i = 0; i < step.size(); ++i) state.x[i] = before[i] + factor * step[i];
+      for (const Index i : fixed) state.x[static_cast<std::size_t>(i)] = before[static_cast<std::size_t>(i)];
+      evaluate();
+      better = size_of(blocks.c, rows) < residual;
+    }
+    if (!better) {  // rounding, or a contradiction
+      state.x = before;
+      evaluate();
+      break;
+    }
+    residual = size_of(blocks.c, rows);
+  }
+  return residual <= 1e3 * position_tolerance * scale;
+}
+
 /// Whether holding is to blame: the same start values with all coordinates free.
 bool closes_without_holding(const System& system, State state, const Vector& start) {
   state.x = start;
@@ -102,10 +159,27 @@ bool closes_without_holding(const System& system, State state, const Vector& sta
   return true;
 }
 
-double size_of(const Vector& rows) {
-  double largest = 0.0;
-  for (const double row : rows) largest = std::max(largest, std::abs(row));
-  return largest;
+/// Joints that support the same directions and demand different things there: the rows that are independent at the start
+/// values close, one that repeats them does not. Throws, or returns where this is not what keeps the assembly open.
+void look_for_contradiction(const System& system, State state, const Vector& start, std::span<const Index> fixed) {
+  state.x = start;
+  const Partition partition = choose_partition(system, state);
+  const std::vector<RedundantSet> sets = describe_redundancy(system, state, partition);
+  Blocks blocks(system);
+  const std::span<const Index> independent(partition.rows.data(), static_cast<std::size_t>(partition.holonomic));
+  if (sets.empty() || !close(system, state, independent, fixed, blocks)) return;
+  const Row& open = system.constraint(worst(blocks.c));
+  const std::string& joint = system.component_name(open.component);
+  for (const RedundantSet& set : sets) {
+    if (!std::binary_search(set.components.begin(), set.components.end(), open.component)) continue;
+    throw AnalysisError("assembly",
+                        set.joints + " are redundant and inconsistent: when the others close, " + open.name +
+                            " stays open by " + with_unit(size_of(blocks.c), open.unit),
+                        "joints that agree where they support the same direction",
+                        "correct the points and axes of " + joint + " or of the others, or replace " + joint +
+                            " by a joint that leaves this direction free",
+                        "/components/" + joint);
+  }
 }
 
 }  // namespace
@@ -114,40 +188,7 @@ void assemble_positions(const System& system, State& state, std::span<const Inde
   if (system.m() == 0) return;
   const Vector start = state.x;
   Blocks blocks(system);
-  NearestPoint nearest(system, system.m(), BRAMAH_C_X, fixed);
-  Request request = Request{}.rows("c").blocks({BRAMAH_C_X});
-  const auto evaluate = [&] {
-    const Outcome outcome = blocks.evaluate(system, state, request);
-    if (!outcome.ok()) {
-      throw AnalysisError("assembly", outcome.message, "constraints that can be evaluated at the start values",
-                          "move the start values: two points may coincide", place_of(system, outcome));
-    }
-  };
-  evaluate();
-  double residual = size_of(blocks.c);
-  double scale = 1.0;
-  for (const double x : state.x) scale = std::max(scale, std::abs(x));
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    if (residual <= position_tolerance * scale) return;
-    const std::span<const double> step = nearest.solve(blocks, blocks.c);
-    if (step.empty()) break;
-    const Vector before = state.x;
-    double factor = 1.0;
-    bool better = false;
-    for (int half = 0; half < 12 && !better; ++half, factor *= 0.5) {
-      for (std::size_t i = 0; i < step.size(); ++i) state.x[i] = before[i] + factor * step[i];
-      for (const Index i : fixed) state.x[static_cast<std::size_t>(i)] = before[static_cast<std::size_t>(i)];
-      evaluate();
-      better = size_of(blocks.c) < residual;
-    }
-    if (!better) {  // rounding, or a contradiction
-      state.x = before;
-      evaluate();
-      break;
-    }
-    residual = size_of(blocks.c);
-  }
-  if (residual <= 1e3 * position_tolerance * scale) return;
+  if (close(system, state, shifted(system.m(), 0), fixed, blocks)) return;
   const Index row = worst(blocks.c);
   const Row& open = system.constraint(row);
   const std::string gap = open_rows(system, blocks.c, row);
@@ -158,6 +199,7 @@ void assemble_positions(const System& system, State& state, std::span<const Inde
         "held coordinates whose start values agree with each other",
         "hold fewer coordinates, or correct their start values", "/hold");
   }
+  look_for_contradiction(system, state, start, fixed);
   throw AnalysisError("assembly", gap, "lengths, points and start values with which all constraints can be closed",
                       "check the lengths and points of " + system.component_name(open.component) +
                           " and of what it joins, or move the start values nearer to the assembled position",
@@ -167,7 +209,7 @@ void assemble_positions(const System& system, State& state, std::span<const Inde
 void assemble_velocities(const System& system, State& state, std::span<const Index> fixed) {
   if (system.m() + system.l() == 0) return;
   Blocks blocks(system);
-  NearestPoint nearest(system, system.m() + system.l(), BRAMAH_R_V, fixed);
+  NearestPoint nearest(system, shifted(system.m() + system.l(), 0), BRAMAH_R_V, fixed);
   const Request request = Request{}.rows("r").blocks({BRAMAH_R_V});
   double scale = 1.0;
   for (const double v : state.v) scale = std::max(scale, std::abs(v));

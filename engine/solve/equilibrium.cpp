@@ -85,7 +85,9 @@ class Newton {
   }
 
   void solve() {
-    lu_.factor({equations_, unknowns_, plan_.start().data(), plan_.row().data(), scaled_.data()});
+    const sparse::CscView matrix{equations_, unknowns_, plan_.start().data(), plan_.row().data(), scaled_.data()};
+    if (order_.empty()) order_ = sparse::fill_reducing_order(matrix);  // the pattern stays
+    lu_.factor(matrix, {.order = order_});
     Vector rhs(residual_.size());
     for (std::size_t i = 0; i < rhs.size(); ++i) rhs[i] = -residual_[i] * row_scale_[i];
     lu_.solve(rhs, step_);
@@ -161,7 +163,8 @@ class Newton {
       if (variable != nullptr) names[static_cast<std::size_t>(column)] = variable->name;
     });
     std::vector<FreeDirection> directions;
-    for (std::size_t k = 0; k < lu_.dependent_columns().size(); ++k) {
+    const std::vector<sparse::Dependency> dependencies = lu_.dependencies();
+    for (std::size_t k = 0; k < dependencies.size(); ++k) {
       const auto free_column = static_cast<std::size_t>(lu_.dependent_columns()[k]);
       FreeDirection direction;
       const auto add = [&](std::size_t column, double share) {
@@ -169,8 +172,7 @@ class Newton {
         direction.variables.emplace_back(names[column], share * scale_[column]);
       };
       add(free_column, 1.0);
-      const std::vector<double> c = lu_.dependency(k);
-      for (std::size_t j = 0; j < c.size(); ++j) add(static_cast<std::size_t>(lu_.pivot_columns()[j]), -c[j]);
+      for (const auto& [column, coefficient] : dependencies[k]) add(static_cast<std::size_t>(column), -coefficient);
       if (!direction.variables.empty()) directions.push_back(std::move(direction));
     }
     return directions;
@@ -210,6 +212,7 @@ class Newton {
   Index unknowns_ = 0, equations_ = 0;
   SparsePlan plan_;
   sparse::RankLu lu_;
+  std::vector<Index> order_;
   Vector scale_, row_scale_, scaled_, residual_, step_;
   Outcome outcome_;
 };
@@ -285,7 +288,7 @@ Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& opt
   if (newton.multipliers_undetermined()) {
     const Partition partition = choose_partition(system, state);
     take_minimum_norm(partition, state.lambda);
-    result.redundancy = describe_redundancy(system, partition);
+    result.redundancy = describe_redundancy(system, state, partition);
   }
   std::fill(state.a.begin(), state.a.end(), 0.0);
   std::fill(state.zdot.begin(), state.zdot.end(), 0.0);

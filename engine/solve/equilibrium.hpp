@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "solve/partition.hpp"
+#include "solve/redundancy.hpp"
 #include "system/blocks.hpp"
 #include "system/options.hpp"
 

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
-
-#include <Eigen/Dense>
-#include <map>
 
 #include "sparse/rank_lu.hpp"
 #include "system/analysis_error.hpp"
@@ -13,9 +11,186 @@
 namespace bramah {
 namespace {
 
-// Below this many rows the order of declaration is cheap enough, and the row that a message calls redundant is the one
-// declared last; above it the order is the fill-reducing one.
-constexpr Index declaration_order_up_to = 2000;
+// Closed loops are taken in the order of declaration, which follows the machine and keeps coordinates of bodies declared
+// first independent; where it fills the factors by more than this, COLAMD's order is taken.
+constexpr Index most_fill = 30;
+constexpr double no_share = 1e-9;  // a smaller coefficient of a dependency is rounding
+
+/// The transpose of D with its rows, the coordinates, scaled by their nominals: one column per constraint row.
+struct ScaledTranspose {
+  ScaledTranspose(const System& system, const State& state) {
+    Blocks blocks(system);
+    const Outcome outcome = blocks.evaluate(system, state, Request{}.blocks({BRAMAH_R_V}));
+    if (!outcome.ok()) {
+      throw AnalysisError("partition", outcome.message, "constraints that can be evaluated", "check the start values",
+                          outcome.component < 0 ? "" : "/components/" + system.component_name(outcome.component));
+    }
+    const std::vector<Index> coordinates = shifted(system.n(), 0), rows = shifted(system.m() + system.l(), 0);
+    const Term term{BRAMAH_R_V, rows, coordinates, true, 0};
+    plan = SparsePlan(system, system.n(), system.m() + system.l(), {&term, 1});
+    const double one = 1.0;
+    plan.fill(blocks, {&one, 1});
+    values.assign(plan.values().begin(), plan.values().end());
+    for (std::size_t e = 0; e < values.size(); ++e)
+      values[e] *= system.x[static_cast<std::size_t>(plan.row()[e])].nominal;
+  }
+  [[nodiscard]] sparse::CscView view() const {
+    return {plan.rows(), plan.columns(), plan.start().data(), plan.row().data(), values.data()};
+  }
+  SparsePlan plan;
+  Vector values;
+};
+
+/// The factorization that decides everything: holonomic rows first, of these the ones without fill before all others.
+void factor(sparse::RankLu& lu, const sparse::CscView& D_transposed, Index m, sparse::RankLuOptions options) {
+  const sparse::Singletons found = sparse::find_singletons(D_transposed, m, options);
+  std::vector<Index> order = found.columns;
+  order.insert(order.end(), found.others.begin(), found.others.end());
+  for (Index row = m; row < D_transposed.columns; ++row) order.push_back(row);
+  options.order = order;
+  options.late = m;
+  options.most_entries = most_fill * (D_transposed.start[D_transposed.columns] + D_transposed.columns);
+  if (lu.factor(D_transposed, options)) return;
+
+  std::vector<bool> waits(static_cast<std::size_t>(D_transposed.columns), false);
+  for (const Index row : found.others) waits[static_cast<std::size_t>(row)] = true;
+  auto next = order.begin() + static_cast<std::ptrdiff_t>(found.columns.size());
+  for (const Index row : sparse::fill_reducing_order(D_transposed)) {
+    if (waits[static_cast<std::size_t>(row)]) *next++ = row;
+  }
+  options.most_entries = std::numeric_limits<Index>::max();
+  lu.factor(D_transposed, options);
+}
+
+/// Of holonomic rows that imply each other those declared last become the redundant ones: with the self-stresses as rows
+/// of a matrix, its pivot columns when these are taken backwards.
+std::vector<RedundantRow> declared_last(const std::vector<RedundantRow>& redundant, Index m) {
+  constexpr double safe_exchange = 1e-3;                            // no row in place of one that it hardly depends on
+  std::vector<std::pair<Index, std::pair<Index, double>>> entries;  // row, (self-stress, share)
+  std::vector<RedundantRow> result;
+  Index count = 0;
+  for (const RedundantRow& r : redundant) {
+    if (r.row >= m) {  // a nonholonomic row cannot take the place of a holonomic one
+      result.push_back(r);
+      continue;
+    }
+    entries.push_back({r.row, {count, 1.0}});
+    for (const auto& [row, c] : r.follows_from) entries.push_back({row, {count, -c}});
+    ++count;
+  }
+  std::sort(entries.begin(), entries.end());
+  std::vector<Index> rows, start, stress, order;
+  Vector share;
+  for (const auto& [row, entry] : entries) {
+    if (rows.empty() || rows.back() != row) {
+      rows.push_back(row);
+      start.push_back(static_cast<Index>(stress.size()));
+    }
+    stress.push_back(entry.first);
+    share.push_back(entry.second);
+  }
+  start.push_back(static_cast<Index>(stress.size()));
+  order.resize(rows.size());
+  std::iota(order.rbegin(), order.rend(), Index{0});
+  const sparse::CscView stresses{count, static_cast<Index>(rows.size()), start.data(), stress.data(), share.data()};
+  sparse::RankLu lu;
+  lu.factor(stresses, {.rank_tolerance = safe_exchange, .order = order});
+  if (lu.rank() < count) return redundant;
+  // Once more with the pivots first, so that the others are told in all of them.
+  order = lu.pivot_columns();
+  order.insert(order.end(), lu.dependent_columns().begin(), lu.dependent_columns().end());
+  lu.factor(stresses, {.order = order});
+  std::vector<RedundantRow> exchanged(static_cast<std::size_t>(count));
+  std::vector<std::size_t> place(rows.size());
+  for (std::size_t k = 0; k < exchanged.size(); ++k) {
+    const Index column = lu.pivot_columns()[k];
+    place[static_cast<std::size_t>(column)] = k;
+    exchanged[k].row = rows[static_cast<std::size_t>(column)];
+  }
+  const std::vector<sparse::Dependency> dependencies = lu.dependencies();
+  for (std::size_t k = 0; k < dependencies.size(); ++k) {
+    const Index row = rows[static_cast<std::size_t>(lu.dependent_columns()[k])];
+    for (const auto& [column, c] : dependencies[k]) {
+      if (std::abs(c) > no_share) exchanged[place[static_cast<std::size_t>(column)]].follows_from.emplace_back(row, -c);
+    }
+  }
+  result.insert(result.end(), std::make_move_iterator(exchanged.begin()), std::make_move_iterator(exchanged.end()));
+  return result;
+}
+
+std::vector<RedundantRow> redundant_rows(const sparse::RankLu& lu, Index m) {
+  std::vector<RedundantRow> result;
+  const std::vector<sparse::Dependency> dependencies = lu.dependencies();
+  for (std::size_t k = 0; k < dependencies.size(); ++k) {
+    RedundantRow& redundant = result.emplace_back();
+    redundant.row = lu.dependent_columns()[k];
+    for (const auto& [row, c] : dependencies[k]) {
+      if (std::abs(c) > no_share) redundant.follows_from.emplace_back(row, c);
+    }
+  }
+  result = declared_last(result, m);
+  for (RedundantRow& r : result) std::sort(r.follows_from.begin(), r.follows_from.end());
+  std::sort(result.begin(), result.end(), [](const auto& a, const auto& b) { return a.row < b.row; });
+  return result;
+}
+
+std::string names_of(const System& system, const std::vector<Index>& coordinates) {
+  std::string text;
+  for (const Index i : coordinates) text += (text.empty() ? "" : ", ") + system.x[static_cast<std::size_t>(i)].name;
+  return text;
+}
+
+/// Prescribed coordinates that the factorization has put elsewhere.
+std::vector<Index> missing_from(const std::vector<Index>& list, const std::vector<Index>& prescribed) {
+  std::vector<Index> missing;
+  for (const Index i : prescribed) {
+    if (std::find(list.begin(), list.end(), i) == list.end()) missing.push_back(i);
+  }
+  return missing;
+}
+
+void check_independent(const System& system, const Partition& chosen, const std::vector<Index>& prescribed) {
+  const std::vector<Index> lost = missing_from(chosen.ai, prescribed);
+  if (lost.empty()) return;
+  const std::size_t count = chosen.ai.size();
+  throw AnalysisError(
+      "partition",
+      "the constraints tie " + names_of(system, lost) + " to the other coordinates that shall be independent",
+      count == 0   ? std::string("no independent coordinate, since the mechanism cannot move")
+      : count == 1 ? std::string("one independent coordinate, which moves freely")
+                   : std::to_string(count) + " independent coordinates of which none determines another",
+      count == 0 ? std::string("remove \"independent\"")
+                 : (prescribed.size() > count ? "prescribe fewer, for example: " : "prescribe others, for example: ") +
+                       names_of(system, chosen.ai),
+      "/linearize/independent");
+}
+
+void check_admissible(const System& system, const Partition& chosen, const std::vector<Index>& prescribed) {
+  const std::vector<Index> lost = missing_from(chosen.ad, prescribed);
+  if (lost.empty()) return;
+  const std::size_t count = chosen.ad.size();
+  throw AnalysisError(
+      "partition",
+      names_of(system, lost) + " cannot be admissible dependent" + (prescribed.size() > 1 ? " beside the others" : "") +
+          ": no nonholonomic constraint gives " + (lost.size() == 1 ? "its rate" : "their rates"),
+      count == 0   ? std::string("none, since no nonholonomic constraint is independent")
+      : count == 1 ? std::string("one coordinate, whose rate the nonholonomic constraint gives")
+                   : std::to_string(count) + " coordinates, whose rates the nonholonomic constraints give",
+      count == 0 ? std::string("remove \"admissible_dependent\"")
+                 : (prescribed.size() > count ? "prescribe fewer, for example: " : "prescribe others, for example: ") +
+                       names_of(system, chosen.ad),
+      "/linearize/admissible_dependent");
+}
+
+/// Prescribed coordinates first, in the order of the prescription.
+void put_first(std::vector<Index>& list, const std::vector<Index>& prescribed) {
+  auto next = list.begin();
+  for (const Index i : prescribed) {
+    const auto at = std::find(next, list.end(), i);
+    std::rotate(next, at, at + 1);
+    ++next;
+  }
+}
 
 }  // namespace
 
@@ -28,170 +203,54 @@ std::string row_names(const System& system, std::span<const Index> rows) {
   return text;
 }
 
-Partition choose_partition(const System& system, const State& state, std::span<const Index> independent) {
-  const Index n = system.n(), count = system.m() + system.l();
+Partition choose_partition(const System& system, const State& state, const Prescribed& prescribed) {
+  const Index n = system.n(), m = system.m(), count = m + system.l();
   Partition result;
-  if (count == 0) {
-    result.ai = shifted(n, 0);
-    return result;
-  }
-  Blocks blocks(system);
-  const Outcome outcome = blocks.evaluate(system, state, Request{}.blocks({BRAMAH_R_V}));
-  if (!outcome.ok()) {
-    throw AnalysisError("partition", outcome.message, "constraints that can be evaluated", "check the start values",
-                        outcome.component < 0 ? "" : "/components/" + system.component_name(outcome.component));
-  }
-  const std::vector<Index> coordinates = shifted(n, 0), rows = shifted(count, 0);
-  const Term term{BRAMAH_R_V, rows, coordinates, true, 0};
-  SparsePlan transposed(system, n, count, {&term, 1});
-  const double one = 1.0;
-  transposed.fill(blocks, {&one, 1});
-
-  // Columns of D^T are constraint rows, its rows are coordinates: scaled by their typical magnitude.
-  Vector scaled(transposed.values().begin(), transposed.values().end());
-  for (std::size_t e = 0; e < scaled.size(); ++e) {
-    scaled[e] *= system.x[static_cast<std::size_t>(transposed.row()[e])].nominal;
-  }
-  std::vector<int> row_class(static_cast<std::size_t>(n), 0);
-  for (const Index i : independent) row_class[static_cast<std::size_t>(i)] = 1;
-
   sparse::RankLu lu;
-  sparse::RankLuOptions options;
-  options.row_class = row_class;
-  std::vector<Index> order = shifted(count, 0);
-  if (count > declaration_order_up_to) {
-    // Any order with the holonomic rows first will do; take COLAMD's within each kind.
-    lu.factor({n, count, transposed.start().data(), transposed.row().data(), scaled.data()}, options);
-    order.assign(lu.pivot_columns().begin(), lu.pivot_columns().end());
-    order.insert(order.end(), lu.dependent_columns().begin(), lu.dependent_columns().end());
-    std::stable_partition(order.begin(), order.end(), [&](Index row) { return row < system.m(); });
+  if (count > 0) {
+    const ScaledTranspose D(system, state);
+    // While holonomic rows are eliminated, all prescribed coordinates wait; nonholonomic rows then take admissible ones
+    // first and independent ones last.
+    std::vector<int> holonomic_class(static_cast<std::size_t>(n), 0), nonholonomic_class = holonomic_class;
+    for (const Index i : prescribed.admissible_dependent) {
+      holonomic_class[static_cast<std::size_t>(i)] = 1;
+      nonholonomic_class[static_cast<std::size_t>(i)] = -1;
+    }
+    for (const Index i : prescribed.independent)
+      holonomic_class[static_cast<std::size_t>(i)] = nonholonomic_class[static_cast<std::size_t>(i)] = 1;
+    sparse::RankLuOptions options;
+    options.row_class = holonomic_class;
+    options.late_row_class = nonholonomic_class;
+    factor(lu, D.view(), m, options);
+    result.redundant = redundant_rows(lu, m);
   }
-  options.order = order;
-  lu.factor({n, count, transposed.start().data(), transposed.row().data(), scaled.data()}, options);
 
-  std::vector<bool> taken(static_cast<std::size_t>(n), false);
-  std::vector<Index> nonholonomic_rows;
+  std::vector<bool> dependent(static_cast<std::size_t>(n), false), redundant(static_cast<std::size_t>(count), false);
+  for (const RedundantRow& r : result.redundant) redundant[static_cast<std::size_t>(r.row)] = true;
   for (Index k = 0; k < lu.rank(); ++k) {
     const auto position = static_cast<std::size_t>(k);
-    const Index coordinate = lu.pivot_rows()[position], row = lu.pivot_columns()[position];
-    taken[static_cast<std::size_t>(coordinate)] = true;
-    (row < system.m() ? result.d : result.ad).push_back(coordinate);
-    (row < system.m() ? result.rows : nonholonomic_rows).push_back(row);
-  }
-  for (Index i = 0; i < n; ++i) {
-    if (!taken[static_cast<std::size_t>(i)]) result.ai.push_back(i);
-  }
-  std::vector<std::string> lost;
-  for (const Index i : independent) {
-    if (taken[static_cast<std::size_t>(i)]) lost.push_back(system.x[static_cast<std::size_t>(i)].name);
-  }
-  if (!lost.empty()) {
-    std::string names, chosen;
-    for (const std::string& name : lost) names += (names.empty() ? "" : ", ") + name;
-    for (const Index i : result.ai) chosen += (chosen.empty() ? "" : ", ") + system.x[static_cast<std::size_t>(i)].name;
-    const bool too_many = independent.size() > result.ai.size();
-    throw AnalysisError(
-        "partition", "the constraints tie " + names + " to the other coordinates that shall be independent",
-        result.ai.empty() ? "no independent coordinate, since the mechanism cannot move"
-        : result.ai.size() == 1
-            ? std::string("one independent coordinate, which moves freely")
-            : std::to_string(result.ai.size()) + " independent coordinates of which none determines another",
-        result.ai.empty() ? std::string("remove \"independent\"")
-                          : (too_many ? "prescribe fewer, for example: " : "prescribe others, for example: ") + chosen,
-        "/linearize/independent");
+    const Index coordinate = lu.pivot_rows()[position];
+    dependent[static_cast<std::size_t>(coordinate)] = true;
+    (lu.pivot_columns()[position] < m ? result.d : result.ad).push_back(coordinate);
   }
   // Rows in ascending order read better and keep the pattern of D; coordinates keep the order of declaration.
-  std::sort(result.rows.begin(), result.rows.end());
-  std::sort(nonholonomic_rows.begin(), nonholonomic_rows.end());
-  result.holonomic = static_cast<Index>(result.rows.size());
-  result.rows.insert(result.rows.end(), nonholonomic_rows.begin(), nonholonomic_rows.end());
+  for (Index row = 0; row < count; ++row) {
+    if (!redundant[static_cast<std::size_t>(row)]) result.rows.push_back(row);
+  }
+  for (Index i = 0; i < n; ++i) {
+    if (!dependent[static_cast<std::size_t>(i)]) result.ai.push_back(i);
+  }
   std::sort(result.d.begin(), result.d.end());
   std::sort(result.ad.begin(), result.ad.end());
-  // Prescribed coordinates come first, in the order of the prescription.
-  std::stable_sort(result.ai.begin(), result.ai.end(), [&](Index a, Index b) {
-    const auto rank = [&](Index i) {
-      return std::find(independent.begin(), independent.end(), i) - independent.begin();
-    };
-    return !independent.empty() && rank(a) < rank(b);
-  });
+  result.holonomic = static_cast<Index>(result.d.size());
+  check_independent(system, result, prescribed.independent);
+  check_admissible(system, result, prescribed.admissible_dependent);
+  put_first(result.ai, prescribed.independent);
+  put_first(result.ad, prescribed.admissible_dependent);
   result.smallest_pivot = lu.smallest_accepted();
   result.largest_refused = lu.largest_refused();
   result.growth = lu.growth();
-  for (std::size_t k = 0; k < lu.dependent_columns().size(); ++k) {
-    RedundantRow redundant;
-    redundant.row = lu.dependent_columns()[k];
-    const std::vector<double> c = lu.dependency(k);
-    for (std::size_t j = 0; j < c.size(); ++j) {
-      if (std::abs(c[j]) > 1e-9) redundant.follows_from.emplace_back(lu.pivot_columns()[j], c[j]);
-    }
-    result.redundant.push_back(std::move(redundant));
-  }
   return result;
-}
-
-std::vector<RedundantSet> describe_redundancy(const System& system, const Partition& partition) {
-  // Redundant rows whose dependencies share a component form one set: union by components.
-  std::vector<Index> parent(system.components.size());
-  std::iota(parent.begin(), parent.end(), Index{0});
-  const auto root = [&](Index i) {
-    while (parent[static_cast<std::size_t>(i)] != i) i = parent[static_cast<std::size_t>(i)];
-    return i;
-  };
-  std::vector<bool> involved(system.components.size(), false);
-  for (const RedundantRow& redundant : partition.redundant) {
-    const Index own = system.constraint(redundant.row).component;
-    involved[static_cast<std::size_t>(own)] = true;
-    for (const auto& [row, unused] : redundant.follows_from) {
-      const Index other = system.constraint(row).component;
-      involved[static_cast<std::size_t>(other)] = true;
-      parent[static_cast<std::size_t>(root(other))] = root(own);
-    }
-  }
-  std::map<Index, RedundantSet> sets;
-  for (std::size_t i = 0; i < involved.size(); ++i) {
-    if (involved[i]) sets[root(static_cast<Index>(i))].components.push_back(static_cast<Index>(i));
-  }
-  for (const RedundantRow& redundant : partition.redundant)
-    sets[root(system.constraint(redundant.row).component)].rows.push_back(redundant.row);
-
-  std::vector<RedundantSet> result;
-  for (auto& [unused, set] : sets) {
-    std::map<std::string, std::vector<std::string>> by_type;
-    for (const Index i : set.components) {
-      const Component& component = system.components[static_cast<std::size_t>(i)];
-      // A body's own norm row takes part in every rotation; it is no joint.
-      if (component.type->port_count > 0 && component.type->variable_count == 0)
-        by_type[component.type->name].push_back(component.name);
-    }
-    for (const auto& [type, names] : by_type) {
-      set.text += (set.text.empty() ? "" : ", ") + std::to_string(names.size()) + " " + type + " (";
-      for (std::size_t k = 0; k < names.size() && k < 8; ++k) set.text += (k == 0 ? "" : ", ") + names[k];
-      set.text += names.size() > 8 ? ", ...)" : ")";
-    }
-    const std::size_t count = set.rows.size();
-    const std::string& last = system.component_name(system.constraint(set.rows.back()).component);
-    set.text += ": " + std::to_string(count) + " redundant row" + (count == 1 ? "" : "s") + " " +
-                row_names(system, set.rows) + "; the others imply " + (count == 1 ? "it" : "them") + ". To be rid of " +
-                (count == 1 ? "it" : "them") + ", replace " + last + " by a joint with " + std::to_string(count) +
-                " constraint" + (count == 1 ? "" : "s") + " fewer";
-    result.push_back(std::move(set));
-  }
-  return result;
-}
-
-void take_minimum_norm(const Partition& partition, Vector& lambda) {
-  const auto count = static_cast<Eigen::Index>(partition.redundant.size());
-  if (count == 0) return;
-  // Null vectors of D^T: N_k = e(redundant k) - sum c e(others). Least norm removes their span:
-  // lambda - N (N^T N)^-1 N^T lambda.
-  Eigen::MatrixXd N = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(lambda.size()), count);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const RedundantRow& redundant = partition.redundant[static_cast<std::size_t>(k)];
-    N(redundant.row, k) = 1.0;
-    for (const auto& [row, c] : redundant.follows_from) N(row, k) -= c;
-  }
-  Eigen::Map<Eigen::VectorXd> l(lambda.data(), static_cast<Eigen::Index>(lambda.size()));
-  l -= N * (N.transpose() * N).ldlt().solve(N.transpose() * l);
 }
 
 }  // namespace bramah

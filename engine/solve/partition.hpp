@@ -1,7 +1,7 @@
 // Which coordinates depend on which, and which constraint rows are redundant: Eqs. (29)-(31).
 //
 // One rank-revealing LU of the scaled D^T, holonomic rows first, decides both: its pivots among the holonomic rows are
-// x_d, those among the nonholonomic rows x_ad, what is left is x_ai; rows without a pivot are redundant.
+// x_d, those among the nonholonomic rows x_ad, what is left is x_ai; as many rows as have no pivot are redundant.
 #pragma once
 
 #include <span>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "system/blocks.hpp"
+#include "system/options.hpp"
 #include "system/system.hpp"
 
 namespace bramah {
@@ -24,25 +25,14 @@ struct Partition {
   std::vector<Index> ai, ad, d;  // coordinates: independent, admissible dependent, dependent (m' + l' in all: ad, d)
   std::vector<Index> rows;       // independent constraint rows of [c; b], holonomic ones first
   Index holonomic = 0;           // how many of `rows` are holonomic
-  std::vector<RedundantRow> redundant;
-  double smallest_pivot = 1.0;   // of accepted rows, relative to the row
-  double largest_refused = 0.0;  // of redundant rows: the gap between the two decided the rank
-  double growth = 1.0;           // bound of |T| (scaled)
+  std::vector<RedundantRow> redundant;  // of rows that imply each other those declared last, in ascending order
+  double smallest_pivot = 1.0;          // of accepted rows, relative to the row
+  double largest_refused = 0.0;         // of redundant rows: the gap between the two decided the rank
+  double growth = 1.0;                  // bound of |T| (scaled)
 };
 
-/// Chooses at `state`. `independent` prescribes x_ai coordinates; AnalysisError where they cannot be independent together.
-Partition choose_partition(const System& system, const State& state, std::span<const Index> independent = {});
-
-/// Redundant rows that belong together, told in terms of joints.
-struct RedundantSet {
-  std::vector<Index> rows;        // the redundant ones
-  std::vector<Index> components;  // all that take part, in the order of declaration
-  std::string text;               // "4 mechanics/revolute (O1, C, D, O2): 3 redundant rows O2.x, ...; relax O2 ..."
-};
-std::vector<RedundantSet> describe_redundancy(const System& system, const Partition& partition);
-
-/// Makes the multipliers of redundant sets unique: of all with the same D^T lambda, those of least norm.
-void take_minimum_norm(const Partition& partition, Vector& lambda);
+/// Chooses at `state`. Throws AnalysisError where the prescribed coordinates cannot be what they shall be.
+Partition choose_partition(const System& system, const State& state, const Prescribed& prescribed = {});
 
 /// "hinge.x, hinge.y" for messages.
 std::string row_names(const System& system, std::span<const Index> rows);

@@ -2,6 +2,7 @@
 
 #include "solve/assemble.hpp"
 #include "solve/kkt.hpp"
+#include "solve/redundancy.hpp"
 
 namespace bramah {
 
@@ -17,6 +18,7 @@ void complete(const System& system, State& state) {
   const Partition partition = choose_partition(system, state);
   Blocks blocks(system);
   Kkt(system, partition.rows).complete(state, blocks);
+  take_minimum_norm(partition, state.lambda);
 }
 
 State reference_state(const System& system, const Options& options, bool equilibrium, double t) {

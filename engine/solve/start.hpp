@@ -11,7 +11,7 @@ namespace bramah {
 /// and rates. Variables of "hold" keep their start values, and coordinates their start rates. Throws AnalysisError.
 State consistent_start(const System& system, const Options& options, double t);
 
-/// The rows that are independent at `state` and everything that follows from t, x, v, z: completes a, lambda, zdot.
+/// Completes a, lambda and zdot from t, x, v, z; multipliers of redundant rows are those of least norm.
 void complete(const System& system, State& state);
 
 /// What "from" and "at" of the scene ask for: the equilibrium or the consistent start.

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <queue>
+#include <utility>
 
 namespace bramah::sparse {
-namespace {
 
-/// Fill-reducing order of the columns for LU with row pivoting.
-std::vector<std::int64_t> colamd_order(const CscView& a) {
+std::vector<std::int64_t> fill_reducing_order(const CscView& a) {
   const std::int64_t entries = a.start[a.columns];
   const std::size_t length = colamd_l_recommended(entries, a.rows, a.columns);
   std::vector<SuiteSparse_long> work(std::max<std::size_t>(length, 1)), start(a.start, a.start + a.columns + 1);
@@ -29,9 +29,52 @@ std::vector<std::int64_t> colamd_order(const CscView& a) {
   return order;
 }
 
-}  // namespace
-
-void RankLu::factor(const CscView& a, const RankLuOptions& options) {
+Singletons find_singletons(const CscView& a, std::int64_t count, const RankLuOptions& options) {
+  const auto rows = static_cast<std::size_t>(a.rows), columns = static_cast<std::size_t>(count);
+  // Of each row how many columns are left, and the sum of their numbers: the column itself where one is left.
+  std::vector<std::int64_t> left(rows, 0), sum(rows, 0), single;
+  for (std::int64_t j = 0; j < a.columns; ++j) {
+    for (std::int64_t e = a.start[j]; e < a.start[j + 1]; ++e) {
+      ++left[static_cast<std::size_t>(a.row[e])];
+      sum[static_cast<std::size_t>(a.row[e])] += j;
+    }
+  }
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (left[i] == 1) single.push_back(static_cast<std::int64_t>(i));
+  }
+  const auto class_of = [&](std::int64_t row) {
+    return options.row_class.empty() ? 0 : options.row_class[static_cast<std::size_t>(row)];
+  };
+  const auto is_pivot = [&](std::int64_t row, std::int64_t column) {
+    double own = 0.0, largest = 0.0;
+    for (std::int64_t e = a.start[column]; e < a.start[column + 1]; ++e) {
+      if (class_of(a.row[e]) < class_of(row) && a.value[e] != 0.0) return false;
+      largest = std::max(largest, std::abs(a.value[e]));
+      if (a.row[e] == row) own = std::abs(a.value[e]);
+    }
+    return own > 0.0 && own >= options.threshold * largest;
+  };
+  Singletons result;
+  std::vector<bool> taken(columns, false);
+  for (std::size_t next = 0; next < single.size(); ++next) {
+    const std::int64_t row = single[next];
+    if (left[static_cast<std::size_t>(row)] != 1) continue;
+    const std::int64_t column = sum[static_cast<std::size_t>(row)];
+    if (column >= count || !is_pivot(row, column)) continue;
+    taken[static_cast<std::size_t>(column)] = true;
+    result.columns.push_back(column);
+    for (std::int64_t e = a.start[column]; e < a.start[column + 1]; ++e) {
+      const auto other = static_cast<std::size_t>(a.row[e]);
+      sum[other] -= column;
+      if (--left[other] == 1) single.push_back(a.row[e]);
+    }
+  }
+  for (std::int64_t j = 0; j < count; ++j) {
+    if (!taken[static_cast<std::size_t>(j)]) result.others.push_back(j);
+  }
+  return result;
+}
+bool RankLu::factor(const CscView& a, const RankLuOptions& options) {
   rows_ = a.rows;
   columns_ = a.columns;
   const auto rows = static_cast<std::size_t>(rows_);
@@ -50,15 +93,19 @@ void RankLu::factor(const CscView& a, const RankLuOptions& options) {
   smallest_accepted_ = 1.0;
   largest_refused_ = 0.0;
 
-  const std::vector<std::int64_t> order =
-      options.order.empty() ? colamd_order(a) : std::vector<std::int64_t>(options.order.begin(), options.order.end());
+  const std::vector<std::int64_t> order = options.order.empty()
+                                              ? fill_reducing_order(a)
+                                              : std::vector<std::int64_t>(options.order.begin(), options.order.end());
   std::vector<double> work(rows, 0.0);
   std::vector<std::int64_t> mark(rows, -1), pattern, topological;
   std::vector<std::pair<std::int64_t, std::int64_t>> stack;  // row, next child
   std::vector<std::int64_t> row_count(rows, 0);              // columns to come: the tie-break among good pivots
   for (std::int64_t e = 0; e < a.start[a.columns]; ++e) ++row_count[static_cast<std::size_t>(a.row[e])];
 
-  for (const std::int64_t column : order) {
+  for (std::size_t place = 0; place < order.size(); ++place) {
+    const std::int64_t column = order[place];
+    const bool is_late = options.late >= 0 && static_cast<std::int64_t>(place) >= options.late;
+    const std::span<const int> row_class = is_late ? options.late_row_class : options.row_class;
     // Pattern of L^-1 a_j: rows reached from the column's entries through the columns of L, in topological order.
     pattern.clear();
     topological.clear();
@@ -109,7 +156,7 @@ void RankLu::factor(const CscView& a, const RankLuOptions& options) {
     std::int64_t pivot = -1;
     double largest = 0.0;
     const auto class_of = [&](std::int64_t row) {
-      return options.row_class.empty() ? 0 : options.row_class[static_cast<std::size_t>(row)];
+      return row_class.empty() ? 0 : row_class[static_cast<std::size_t>(row)];
     };
     int lowest = std::numeric_limits<int>::max();
     for (const std::int64_t row : pattern) {
@@ -148,6 +195,7 @@ void RankLu::factor(const CscView& a, const RankLuOptions& options) {
       diagonal_.push_back(value);
       l_start_.push_back(static_cast<std::int64_t>(l_row_.size()));
       u_start_.push_back(static_cast<std::int64_t>(u_position_.size()));
+      if (l_start_.back() + u_start_.back() > options.most_entries) return false;
     } else {
       if (norm > 0.0) largest_refused_ = std::max(largest_refused_, largest / norm);
       dependent_columns_.push_back(column);
@@ -161,6 +209,7 @@ void RankLu::factor(const CscView& a, const RankLuOptions& options) {
     for (const std::int64_t k : topological)
       work[static_cast<std::size_t>(pivot_rows_[static_cast<std::size_t>(k)])] = 0.0;
   }
+  return true;
 }
 
 double RankLu::growth() const {
@@ -169,19 +218,35 @@ double RankLu::growth() const {
   return largest;
 }
 
-std::vector<double> RankLu::dependency(std::size_t dependent) const {
-  // A[:, dependent] = L u and A[:, pivots] = L U, hence U c = u.
+std::vector<Dependency> RankLu::dependencies() const {
+  // A[:, dependent] = L u and A[:, pivots] = L U, hence U c = u: back substitution over the positions that u reaches.
+  std::vector<Dependency> all;
   std::vector<double> c(pivot_rows_.size(), 0.0);
-  for (const auto& [position, value] : dependent_u_[dependent]) c[static_cast<std::size_t>(position)] = value;
-  for (std::size_t k = pivot_rows_.size(); k-- > 0;) {
-    if (c[k] == 0.0) continue;
-    c[k] /= diagonal_[k];
-    for (std::int64_t p = u_start_[k]; p < u_start_[k + 1]; ++p) {
-      c[static_cast<std::size_t>(u_position_[static_cast<std::size_t>(p)])] -=
-          u_value_[static_cast<std::size_t>(p)] * c[k];
+  std::vector<bool> reached(pivot_rows_.size(), false);
+  std::priority_queue<std::int64_t> positions;
+  const auto add = [&](std::int64_t position, double value) {
+    const auto at = static_cast<std::size_t>(position);
+    c[at] += value;
+    if (reached[at]) return;
+    reached[at] = true;
+    positions.push(position);
+  };
+  for (const auto& u : dependent_u_) {
+    Dependency& dependency = all.emplace_back();
+    for (const auto& [position, value] : u) add(position, value);
+    while (!positions.empty()) {
+      const auto k = static_cast<std::size_t>(positions.top());
+      positions.pop();
+      const double value = std::exchange(c[k], 0.0) / diagonal_[k];
+      reached[k] = false;
+      if (value == 0.0) continue;
+      dependency.emplace_back(pivot_columns_[k], value);
+      for (std::int64_t p = u_start_[k]; p < u_start_[k + 1]; ++p)
+        add(u_position_[static_cast<std::size_t>(p)], -u_value_[static_cast<std::size_t>(p)] * value);
     }
+    std::reverse(dependency.begin(), dependency.end());
   }
-  return c;
+  return all;
 }
 
 void RankLu::solve(std::span<const double> b, std::span<double> x) const {

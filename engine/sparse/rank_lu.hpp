@@ -9,7 +9,9 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sparse/csc.hpp"
@@ -17,16 +19,33 @@
 namespace bramah::sparse {
 
 struct RankLuOptions {
-  double threshold = 0.5;               // a pivot is at least this part of the largest candidate
-  double rank_tolerance = 1e-9;         // relative to the column's own norm: below it, the column is dependent
-  std::span<const std::int64_t> order;  // columns in the order of elimination; empty: COLAMD
-  std::span<const int> row_class;       // rows of a higher class are pivots only where no lower class serves
+  double threshold = 0.5;                    // a pivot is at least this part of the largest candidate
+  double rank_tolerance = 1e-9;              // relative to the column's own norm: below it, the column is dependent
+  std::span<const std::int64_t> order = {};  // columns in the order of elimination; empty: COLAMD
+  std::span<const int> row_class = {};       // rows of a higher class are pivots only where no lower class serves
+  std::int64_t late = -1;                    // columns from this place of the order on go by late_row_class; -1: none
+  std::span<const int> late_row_class = {};
+  std::int64_t most_entries = std::numeric_limits<std::int64_t>::max();  // of L and U: beyond them factor gives up
 };
+
+/// Fill-reducing order of all columns for LU with row pivoting: COLAMD.
+std::vector<std::int64_t> fill_reducing_order(const CscView& a);
+
+/// The first `count` columns: those that cause no fill, in an order of elimination, and the others as they stand.
+struct Singletons {
+  std::vector<std::int64_t> columns, others;
+};
+/// Takes a column that alone has an entry in some row, if that entry is an acceptable pivot; then again in what is left.
+/// Open chains are taken whole, from their tips inward. No column taken so has entries in the pivot rows before it.
+Singletons find_singletons(const CscView& a, std::int64_t count, const RankLuOptions& options = {});
+
+/// A column as a combination of pivot columns: (column, coefficient).
+using Dependency = std::vector<std::pair<std::int64_t, double>>;
 
 class RankLu {
  public:
-  /// Factors `a`; the pattern of the factors is found on the way.
-  void factor(const CscView& a, const RankLuOptions& options = {});
+  /// Factors `a`; the pattern of the factors is found on the way. False: they have more than options.most_entries.
+  bool factor(const CscView& a, const RankLuOptions& options = {});
 
   [[nodiscard]] std::int64_t rank() const { return static_cast<std::int64_t>(pivot_columns_.size()); }
   /// Row and column of pivot k, in the order of elimination.
@@ -40,8 +59,8 @@ class RankLu {
   /// max |L|: growth of the eliminated rows, hence of T = -L2 L1^-1.
   [[nodiscard]] double growth() const;
 
-  /// Coefficients c with  column(dependent k) = sum_j c[j] column(pivot_columns[j]).
-  [[nodiscard]] std::vector<double> dependency(std::size_t dependent) const;
+  /// For every dependent column:  column(dependent k) = sum of coefficient * column(pivot column).
+  [[nodiscard]] std::vector<Dependency> dependencies() const;
 
   /// Solves the pivot rows and columns of A x = b: x (columns) is zero at dependent columns, b (rows) is read only.
   void solve(std::span<const double> b, std::span<double> x) const;

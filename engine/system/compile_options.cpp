@@ -266,7 +266,7 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
 
   LinearizeOptions& linearize = options.linearize;
   linearize.asked = root.find("linearize") != nullptr;
-  reader.section(root, "linearize", {"at", "independent", "side", "times"},
+  reader.section(root, "linearize", {"at", "independent", "admissible_dependent", "side", "times"},
                  [&](const std::string& key, const Value& value, const std::string& where) {
                    if (key == "at") {
                      reader.word<LinearizeOptions::At>(
@@ -274,13 +274,22 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
                          {{"equilibrium", LinearizeOptions::At::equilibrium}, {"start", LinearizeOptions::At::start}},
                          linearize.at);
                    } else if (key == "independent") {
-                     reader.variables(value, where, linearize.independent, nullptr);
+                     reader.variables(value, where, linearize.prescribed.independent, nullptr);
+                   } else if (key == "admissible_dependent") {
+                     reader.variables(value, where, linearize.prescribed.admissible_dependent, nullptr);
                    } else if (key == "times") {
                      reader.numbers(value, where, "s", linearize.times);
                    } else {
                      reader.word<int>(value, where, {{"+", 1}, {"-", -1}}, linearize.side);
                    }
                  });
+  for (const Index i : linearize.prescribed.admissible_dependent) {
+    const std::vector<Index>& independent = linearize.prescribed.independent;
+    if (std::find(independent.begin(), independent.end(), i) == independent.end()) continue;
+    faults.add("repeated", "/linearize/admissible_dependent",
+               "\"" + system.x[static_cast<std::size_t>(i)].name + "\" is prescribed as independent too",
+               "each coordinate in one of the two lists", "remove it from one");
+  }
   const auto outside = [&](double t) { return t < simulate.from_time || t > simulate.to_time; };
   if (!std::is_sorted(linearize.times.begin(), linearize.times.end()) ||
       std::any_of(linearize.times.begin(), linearize.times.end(), outside)) {

@@ -33,13 +33,18 @@ struct SimulateOptions {
   double max_step = 0.0;             // 0: no limit
 };
 
+/// Coordinates that a partition shall use as x_ai and as x_ad; those not named are chosen.
+struct Prescribed {
+  std::vector<Index> independent, admissible_dependent;
+};
+
 struct LinearizeOptions {
   enum class At { equilibrium, start };
   At at = At::equilibrium;
   bool asked = false;
-  std::vector<Index> independent;  // prescribed x_ai; empty: chosen
-  int side = 1;                    // one-sided derivatives at switching points
-  std::vector<double> times;       // along the simulation, ascending; empty: only the reference state
+  Prescribed prescribed;
+  int side = 1;               // one-sided derivatives at switching points
+  std::vector<double> times;  // along the simulation, ascending; empty: only the reference state
 };
 
 struct StudyOptions {

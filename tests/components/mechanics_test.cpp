@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "components/mechanics/coordinate_force.hpp"
+#include "components/mechanics/cylindrical.hpp"
 #include "components/mechanics/force.hpp"
 #include "components/mechanics/gravity.hpp"
 #include "components/mechanics/ground.hpp"
@@ -12,8 +13,10 @@
 #include "components/mechanics/planar_revolute.hpp"
 #include "components/mechanics/planar_stroke.hpp"
 #include "components/mechanics/planar_torque.hpp"
+#include "components/mechanics/prismatic.hpp"
 #include "components/mechanics/revolute.hpp"
 #include "components/mechanics/rigid_body.hpp"
+#include "components/mechanics/spherical.hpp"
 #include "components/mechanics/stroke.hpp"
 #include "components/mechanics/torque.hpp"
 #include "components/probe.hpp"
@@ -33,6 +36,10 @@ Rotation product(const Rotation& p, const Rotation& q) {
 template <std::size_t N>
 void expect_near(const std::array<double, N>& a, const std::array<double, N>& b, double tolerance) {
   for (std::size_t k = 0; k < N; ++k) EXPECT_NEAR(a[k], b[k], tolerance) << "component " << k;
+}
+void expect_near(const std::vector<double>& a, const std::vector<double>& b, double tolerance) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) EXPECT_NEAR(a[k], b[k], tolerance) << "component " << k;
 }
 double power(const std::vector<double>& f, const std::vector<double>& v) {
   double sum = 0.0;
@@ -288,6 +295,91 @@ TEST(RevoluteTest, NeedsAnAxis) {
   p.insert_or_assign("axis_b", Setting{0.0, 0.0, 0.0});
   EXPECT_EQ(Probe<Revolute>(p).faults(),
             std::vector<std::string>{"axis_b: (0, 0, 0); expected a direction: at least one number other than zero"});
+}
+
+const Parameters ball = {{"point_a", {0.1, 0.5, -0.2}}, {"point_b", {-0.7, 0.2, 0.3}}};
+
+TEST(SphericalTest, Conforms) { EXPECT_TRUE(conforms<Spherical>({{.parameters = ball}, {}})); }
+
+TEST(SphericalTest, HoldsAPointOnly) {
+  Probe<Spherical> probe(ball);
+  Pose b = {{}, quaternion_of({0.3, -1.1, 2.0}), {}, {0.4, 1.5, -0.3}};
+  b.r = pose_a.point(hinge_a) - rotate(b.e, hinge_b);
+  b.rdot = pose_a.rdot + pose_a.turned(hinge_a) - b.turned(hinge_b);
+  probe.x = joined(pose_a.x(), b.x());
+  probe.v = joined(pose_a.v(), b.v());
+  for (const double c : probe.rows().c) EXPECT_NEAR(c, 0.0, 1e-15);
+  for (const double r : probe.rows().r) EXPECT_NEAR(r, 0.0, 1e-14);
+  b.r[1] += 0.25;
+  probe.x = joined(pose_a.x(), b.x());
+  expect_near(probe.rows().c, std::vector<double>{0.0, -0.25, 0.0}, 1e-15);
+}
+
+/// The other body of the hinge, turned by `angle` and slid by `way`.
+Pose slid(double angle, double way) {
+  Pose b = assembled(angle);
+  b.r = b.r + way * rotate(pose_a.e, unit(axis_a));
+  return b;
+}
+
+TEST(CylindricalTest, Conforms) {
+  const Pose b = slid(0.8, 0.4);
+  EXPECT_TRUE(
+      conforms<Cylindrical>({{.parameters = hinge},
+                             {},
+                             {.parameters = hinge, .x = joined(pose_a.x(), b.x()), .v = joined(pose_a.v(), b.v())}}));
+}
+
+TEST(CylindricalTest, SlidesAndTurns) {
+  Probe<Cylindrical> probe(hinge);
+  for (const double way : {0.0, 0.4, -1.3}) {
+    probe.x = joined(pose_a.x(), slid(1.7 * way, way).x());
+    for (const double c : probe.rows().c) EXPECT_NEAR(c, 0.0, 1e-15);
+  }
+  const auto t = normals(unit(axis_a));
+  Pose beside = slid(0.3, 0.4);
+  beside.r = beside.r + 0.2 * rotate(pose_a.e, t[1]);
+  probe.x = joined(pose_a.x(), beside.x());
+  expect_near(probe.rows().c, std::vector<double>{0.0, 0.2, 0.0, 0.0}, 1e-15);
+}
+
+/// The hinge with normals that agree in assembled(0.8).
+Parameters guide() {
+  const Vector normal_b = {1.0, 0.4, 0.0};
+  const Rotation &e = pose_a.e, back = {e[0], -e[1], -e[2], -e[3]};
+  const Vector normal_a = rotate(back, rotate(assembled(0.8).e, normal_b));
+  Parameters p = hinge;
+  p.insert_or_assign("normal_a", Setting{normal_a[0], normal_a[1], normal_a[2]});
+  p.insert_or_assign("normal_b", Setting{normal_b[0], normal_b[1], normal_b[2]});
+  return p;
+}
+
+TEST(PrismaticTest, Conforms) {
+  const Pose b = slid(0.8, 0.4);
+  EXPECT_TRUE(conforms<Prismatic>({{.parameters = guide()},
+                                   {},
+                                   {.parameters = guide(),
+                                    .x = joined(pose_a.x(), b.x()),
+                                    .v = joined(pose_a.v(), b.v()),
+                                    .magnitude = {.lambda = 1e3}}}));
+}
+
+TEST(PrismaticTest, SlidesWithoutTurning) {
+  Probe<Prismatic> probe(guide());
+  for (const double way : {0.0, 0.4, -1.3}) {
+    probe.x = joined(pose_a.x(), slid(0.8, way).x());
+    for (const double c : probe.rows().c) EXPECT_NEAR(c, 0.0, 1e-15);
+  }
+  probe.x = joined(pose_a.x(), slid(0.8 + 0.3, 0.4).x());
+  expect_near(probe.rows().c, std::vector<double>{0.0, 0.0, 0.0, 0.0, -std::sin(0.3)}, 1e-15);
+}
+
+TEST(PrismaticTest, NeedsNormalsAcrossItsAxis) {
+  Parameters p = hinge;
+  p.insert_or_assign("normal_b", Setting{0.0, -6.0, -8.0});
+  EXPECT_EQ(
+      Probe<Prismatic>(p).faults(),
+      std::vector<std::string>{"normal_b: (0, -6, -8); expected a direction that is not along the axis (0, 0.6, 0.8)"});
 }
 
 TEST(PlanarRevoluteTest, Conforms) {

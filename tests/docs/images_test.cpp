@@ -41,7 +41,7 @@ TEST(Images, Transient) {
   simulate(machine.system(), options, rest, observer);
   ASSERT_GT(release.t, 1.4);
 
-  const Partition partition = choose_partition(machine.system(), rest, machine.options().linearize.independent);
+  const Partition partition = choose_partition(machine.system(), rest, machine.options().linearize.prescribed);
   for (const double t : simulated.x) {
     if (t > release.t) linear.x.push_back(t);
   }

@@ -69,7 +69,7 @@ void analyse(const std::string& name, const Compiled& compiled) {
   } else if (name.starts_with("equilibrium_")) {
     find_equilibrium(system, compiled.options.equilibrium);
   } else if (name.starts_with("partition_")) {
-    choose_partition(system, consistent_start(system, compiled.options, 0.0), compiled.options.linearize.independent);
+    choose_partition(system, consistent_start(system, compiled.options, 0.0), compiled.options.linearize.prescribed);
   }
 }
 

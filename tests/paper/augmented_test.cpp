@@ -14,7 +14,7 @@ class Augmented : public ::testing::Test {
  protected:
   Machine machine_ = load("scenes/four_bar/overdamped.json");
   State state_ = find_equilibrium(machine_.system(), machine_.options().equilibrium).state;
-  Partition partition_ = choose_partition(machine_.system(), state_, machine_.options().linearize.independent);
+  Partition partition_ = choose_partition(machine_.system(), state_, machine_.options().linearize.prescribed);
   nlohmann::json reference_ = reference("four_bar.json");
 
   std::vector<std::complex<double>> nonzero() const {

@@ -168,7 +168,7 @@ TEST(Sizes, AreThePapers) {
     const Machine machine = load(model.scene);
     const System& system = machine.system();
     const Equilibrium equilibrium = find_equilibrium(system, machine.options().equilibrium);
-    const Partition partition = choose_partition(system, equilibrium.state, machine.options().linearize.independent);
+    const Partition partition = choose_partition(system, equilibrium.state, machine.options().linearize.prescribed);
     EXPECT_EQ(system.nz() - system.spools(), 3) << model.name;
     EXPECT_EQ(system.spools(), 1) << model.name;
     EXPECT_EQ(system.l(), 0) << model.name;
@@ -192,7 +192,7 @@ TEST(Transformation, OfThePapersCoordinates) {
   const Machine machine = load("plugins/paper_four_bar/scene.json");
   const Equilibrium equilibrium = find_equilibrium(machine.system(), machine.options().equilibrium);
   Linearizer linearizer(machine.system(),
-                        choose_partition(machine.system(), equilibrium.state, machine.options().linearize.independent));
+                        choose_partition(machine.system(), equilibrium.state, machine.options().linearize.prescribed));
   LinearModel model;
   linearizer.linearize(equilibrium.state, model);
   const Eigen::MatrixXd T = linearizer.transformation();

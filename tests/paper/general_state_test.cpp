@@ -44,7 +44,7 @@ TEST(GeneralState, ThreeModelsAgree) {
     // Away from equilibria the spectrum belongs to the coordinate: the same one, the cylinder's length, in all three.
     const std::string length = model.name == "plugin" ? "machine.s" : "piston.s";
     const Index s = machine.system().find_x(length);
-    Linearizer linearizer(machine.system(), choose_partition(machine.system(), state, {&s, 1}));
+    Linearizer linearizer(machine.system(), choose_partition(machine.system(), state, {{s}, {}}));
     LinearModel linear;
     linearizer.linearize(state, linear);
     spectra.push_back(eigenvalues(linear));
@@ -90,7 +90,7 @@ TEST(GeneralState, JacobianIsTheDerivativeOfTheReducedRates) {
   for (const FourBar& model : four_bars) {
     const Machine machine = moving(model);
     const State state = consistent(machine);
-    const Partition partition = choose_partition(machine.system(), state, machine.options().linearize.independent);
+    const Partition partition = choose_partition(machine.system(), state, machine.options().linearize.prescribed);
     ASSERT_EQ(partition.ai.size(), 1U);
     const LinearModel linear = linear_model(machine, state);
     Eigen::VectorXd X(6);

@@ -97,7 +97,7 @@ TEST_P(Transient, LinearModelOverlaid) {
   const Machine machine = load("scenes/four_bar/overdamped.json", GetParam().settings);
   const State start = find_equilibrium(machine.system(), machine.options().equilibrium).state;
   const Recording result = record(machine, start, nonlinear, 3e-12);
-  const Partition partition = choose_partition(machine.system(), start, machine.options().linearize.independent);
+  const Partition partition = choose_partition(machine.system(), start, machine.options().linearize.prescribed);
   const LinearModel model = linear_model(machine, start);
   const State& release = at(result, 1.5);
   // NOLINTNEXTLINE(readability-suspicious-call-argument): the names are not swapped, only alike

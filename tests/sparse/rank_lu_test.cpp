@@ -96,10 +96,11 @@ TEST_P(RankLuOn, DependenciesReproduceTheColumns) {
   sparse::RankLu lu;
   lu.factor(m.view());
   ASSERT_EQ(lu.rank(), Eigen::FullPivLU<Eigen::MatrixXd>(A).rank());
-  for (std::size_t k = 0; k < lu.dependent_columns().size(); ++k) {
-    const std::vector<double> c = lu.dependency(k);
+  const std::vector<sparse::Dependency> dependencies = lu.dependencies();
+  ASSERT_EQ(dependencies.size(), 15U);
+  for (std::size_t k = 0; k < dependencies.size(); ++k) {
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(40);
-    for (std::size_t j = 0; j < c.size(); ++j) sum += c[j] * A.col(lu.pivot_columns()[j]);
+    for (const auto& [column, coefficient] : dependencies[k]) sum += coefficient * A.col(column);
     EXPECT_LT((sum - A.col(lu.dependent_columns()[k])).norm(), 1e-11 * A.norm());
   }
 }
@@ -143,6 +144,53 @@ TEST_P(RankLuOn, OrderAndClassesAreKept) {
 }
 
 INSTANTIATE_TEST_SUITE_P(RandomMatrices, RankLuOn, ::testing::Range(1U, 9U));
+
+/// Rows of an open chain of `links` with 2 unknowns and 1 angle each: column pairs (i, i + 1) and angles.
+Eigen::MatrixXd chain(Eigen::Index links) {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(3 * links, 2 * links);
+  for (Eigen::Index i = 0; i < links; ++i) {
+    for (Eigen::Index k = 0; k < 2; ++k) {
+      const double slope = std::sin(static_cast<double>(3 * i + k));
+      A(3 * i + k, 2 * i + k) = 1.0;
+      A(3 * i + 2, 2 * i + k) = slope;
+      if (i == 0) continue;
+      A(3 * i - 3 + k, 2 * i + k) = -1.0;
+      A(3 * i - 1, 2 * i + k) = slope;
+    }
+  }
+  return A;
+}
+
+TEST(Singletons, TakeAnOpenChainWholeFromItsTip) {
+  const Eigen::MatrixXd A = chain(40);
+  const Csc m = compressed(A);
+  const sparse::Singletons found = sparse::find_singletons(m.view(), A.cols());
+  EXPECT_TRUE(found.others.empty());
+  ASSERT_EQ(found.columns.size(), 80U);
+  EXPECT_EQ(found.columns.front() / 2, 39);
+  EXPECT_EQ(found.columns.back() / 2, 0);
+  sparse::RankLu lu;
+  lu.factor(m.view(), {.order = found.columns});
+  EXPECT_EQ(lu.rank(), 80);
+  // No column taken has an entry in the pivot rows of those before it: the factors are the columns themselves.
+  for (std::int64_t k = 0; k < 80; ++k) {
+    for (std::int64_t j = k + 1; j < 80; ++j)
+      EXPECT_EQ(A(lu.pivot_rows()[static_cast<std::size_t>(k)], lu.pivot_columns()[static_cast<std::size_t>(j)]), 0.0);
+  }
+}
+
+TEST(Singletons, StopAtLoopsSmallPivotsAndClasses) {
+  Eigen::MatrixXd loop = Eigen::MatrixXd::Zero(3, 3);
+  loop << 1, 0, 1, 1, 1, 0, 0, 1, 1;
+  EXPECT_TRUE(sparse::find_singletons(compressed(loop).view(), 3).columns.empty());
+  Eigen::MatrixXd pair(3, 2);
+  pair << 0.4, 0, 1, 1, 0, 1;
+  // Row 0 belongs to column 0 alone, but is less than half of its largest entry; row 2 belongs to column 1 and will do.
+  EXPECT_EQ(sparse::find_singletons(compressed(pair).view(), 2).columns, (std::vector<std::int64_t>{1, 0}));
+  EXPECT_EQ(sparse::find_singletons(compressed(pair).view(), 1).columns, std::vector<std::int64_t>{});
+  const std::vector<int> row_class = {0, 0, 1};
+  EXPECT_TRUE(sparse::find_singletons(compressed(pair).view(), 2, {.row_class = row_class}).columns.empty());
+}
 
 TEST(RankLu, EmptyAndZeroColumns) {
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(3, 4);

@@ -220,6 +220,40 @@ Scene four_bar_ladder(int loops) {
   return scene_of("Ladder of " + std::to_string(loops) + " four-bars", names({"mechanics"}), std::move(components));
 }
 
+Scene spatial_ladder(int loops) {
+  constexpr double half = 0.5 * rod_length;
+  Value::Object components = surroundings(list({0, 0, -gravity}));
+  int joint = 0;
+  const auto connect = [&](std::string a, Value point_a, std::string b, Value point_b) {
+    components.push_back({numbered("joint_", ++joint), Value::Object{{"type", "mechanics/revolute"},
+                                                                     {"a", std::move(a)},
+                                                                     {"point_a", std::move(point_a)},
+                                                                     {"axis_a", list({0, 1, 0})},
+                                                                     {"b", std::move(b)},
+                                                                     {"point_b", std::move(point_b)},
+                                                                     {"axis_b", list({0, 1, 0})}}});
+  };
+  const auto rod = [&](const std::string& name, Value inertia, Value position) {
+    components.push_back({name, Value::Object{{"type", "mechanics/rigid_body"},
+                                              {"gravity", "gravity"},
+                                              {"mass", rod_mass},
+                                              {"inertia", std::move(inertia)},
+                                              {"position", std::move(position)}}});
+  };
+  for (int i = 0; i <= loops; ++i) {
+    const std::string upright = numbered("upright_", i);
+    rod(upright, list({rod_inertia, rod_inertia, 0}), list({i * rod_length, 0, half}));
+    connect("ground", list({i * rod_length, 0, 0}), upright, list({0, 0, -half}));
+    if (i == 0) continue;
+    const std::string across = numbered("across_", i);
+    rod(across, list({0, rod_inertia, rod_inertia}), list({(i - 0.5) * rod_length, 0, rod_length}));
+    connect(numbered("upright_", i - 1), list({0, 0, half}), across, list({-half, 0, 0}));
+    connect(across, list({half, 0, 0}), upright, list({0, 0, half}));
+  }
+  return scene_of("Ladder of " + std::to_string(loops) + " four-bars in space", names({"mechanics"}),
+                  std::move(components));
+}
+
 namespace {
 
 void write(JsonWriter& json, const Value& value) {

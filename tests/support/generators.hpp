@@ -41,6 +41,9 @@ Scene hydraulic_chain(int links, int every, const Shape& shape = hanging);
 /// the upper end of every upright; one degree of freedom, singular where the uprights lie down.
 Scene four_bar_ladder(int loops);
 
+/// The same at rest, of rigid bodies with hinges along y in the plane x-z: three rows of every loop are redundant.
+Scene spatial_ladder(int loops);
+
 /// The scene as a file would hold it.
 std::string scene_text(const Scene& scene);
 

@@ -30,7 +30,7 @@ Machine load(const std::string& file, const std::vector<std::string>& settings) 
 
 LinearModel linear_model(const Machine& machine, const State& state) {
   Linearizer linearizer(machine.system(),
-                        choose_partition(machine.system(), state, machine.options().linearize.independent));
+                        choose_partition(machine.system(), state, machine.options().linearize.prescribed));
   LinearModel model;
   linearizer.linearize(state, model);
   return model;
