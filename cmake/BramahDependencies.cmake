@@ -4,6 +4,7 @@ find_package(LAPACK REQUIRED)
 find_package(SUNDIALS 6.4 REQUIRED COMPONENTS ida nvecserial sunmatrixsparse)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(CLI11 REQUIRED)
+find_package(TBB 2021 REQUIRED COMPONENTS tbb)
 
 # SuiteSparse 5 has no CMake package. `referees` are GPL and for tests only: nothing that is installed may link them.
 function(bramah_find_suitesparse target header)

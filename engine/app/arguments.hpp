@@ -10,6 +10,9 @@ struct Arguments {
   std::string subject;                // a scene file; for describe a type; may be empty for list
   std::vector<std::string> settings;  // component.parameter=value, in the order given
   std::string out;                    // folder for results, empty: none was given
+  std::vector<std::string> over;      // PARAMETER=FROM:TO:COUNT or PARAMETER=A,B,C: instead of the scene's "sweep"
+  int threads = 0;                    // 0: as many as there are cores
+  bool quiet = false;                 // no progress bars, no word about files written
   bool json = false;                  // one JSON document on standard output
 };
 

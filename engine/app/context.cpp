@@ -27,6 +27,7 @@ Context load(const Arguments& arguments) {
     std::vector<Diagnostic> of_shape;
     Scene scene = read_scene_text(source.text, source.name, &of_shape);
     for (const std::string& setting : arguments.settings) apply_setting(scene, setting);
+    apply_sweep(scene, arguments.over);
     Compiled compiled = compile(scene, std::make_shared<Registry>(), std::move(of_shape));
     return {arguments, std::move(scene), std::move(compiled)};
   } catch (const SceneError& error) {
@@ -34,21 +35,30 @@ Context load(const Arguments& arguments) {
   }
 }
 
-Linearization linearize(const Context& context) {
-  const Options& options = context.options();
+Linearization linearize(const Compiled& compiled, const Prescribed& prescribed) {
+  const System& system = compiled.system;
+  const Options& options = compiled.options;
+  const double start_time = options.simulate.from_time;
   Linearization result;
   result.at_equilibrium = options.linearize.at == LinearizeOptions::At::equilibrium;
   if (result.at_equilibrium) {
-    Equilibrium equilibrium = find_equilibrium(context.system(), options.equilibrium, context.start_time());
+    Equilibrium equilibrium = find_equilibrium(system, options.equilibrium, start_time);
     result.state = std::move(equilibrium.state);
     result.free_directions = std::move(equilibrium.free_directions);
   } else {
-    result.state = consistent_start(context.system(), options, context.start_time());
+    result.state = consistent_start(system, options, start_time);
   }
   result.state.side = options.linearize.side;
-  result.partition = choose_partition(context.system(), result.state, options.linearize.prescribed);
-  Linearizer(context.system(), result.partition, options.outputs).linearize(result.state, result.model);
+  result.partition = choose_partition(system, result.state, prescribed);
+  Linearizer linearizer(system, result.partition, options.outputs);
+  linearizer.linearize(result.state, result.model);
+  result.motion = linearizer.motion();
+  result.response = linearizer.response();
   return result;
+}
+
+Linearization linearize(const Context& context) {
+  return linearize(context.compiled, context.options().linearize.prescribed);
 }
 
 void print(std::string_view text) {
@@ -66,7 +76,7 @@ void deliver(const Arguments& arguments, std::string_view file, const std::strin
     const std::filesystem::path folder(arguments.out);
     make_folder(folder);
     write_file(folder / file, document);
-    say("wrote " + (folder / file).string() + "\n");
+    if (!arguments.quiet) say("wrote " + (folder / file).string() + "\n");
   }
   print(arguments.json ? document : text);
 }

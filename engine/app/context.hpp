@@ -32,7 +32,10 @@ struct Linearization {
   std::vector<FreeDirection> free_directions;  // of the equilibrium
   Partition partition;
   LinearModel model;
+  Eigen::MatrixXd motion, response;  // of the Linearizer
 };
+/// With coordinates of the partition prescribed.
+Linearization linearize(const Compiled& compiled, const Prescribed& prescribed);
 Linearization linearize(const Context& context);
 
 /// The document as FILE in the folder of --out, where one is given; on standard output the document with --json and

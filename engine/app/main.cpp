@@ -1,5 +1,6 @@
 // The command line: parsed here and nowhere else, then one verb is run. Failures end here.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <new>
@@ -19,6 +20,7 @@ constexpr const char* kOptions =
     "  --set COMPONENT.PARAMETER=VALUE  change the scene for this run, also SECTION.KEY=VALUE; may be repeated.\n"
     "                                   VALUE as in the scene: 3.5e6, \"3.5 MPa\", true\n"
     "  --out DIR                        write the results there; files appear when they are complete\n"
+    "  --quiet                          no progress bar, no word about files that are written\n"
     "  --json                           one JSON document on standard output, everything else on standard error\n";
 
 std::string main_help() {
@@ -75,8 +77,11 @@ const Verb* find_verb(const std::string& name) {
                              ? "write --set before it; put quotation marks around values with blanks"
                              : help);
   }
-  throw Failure::usage("no option \"" + word + "\"", "one of: --set, --out, --json, --help",
-                       suggestion(word, {"--set", "--out", "--json", "--help"}, help));
+  std::vector<std::string> known = {"--set", "--out", "--quiet", "--json", "--help"};
+  known.insert(known.begin(), verb.options.begin(), verb.options.end());
+  std::string list;
+  for (const std::string& option : known) list += (list.empty() ? "" : ", ") + option;
+  throw Failure::usage("no option \"" + word + "\"", "one of: " + list, suggestion(word, known, help));
 }
 
 int run_verb(const Verb& verb, int argc, char** argv) {
@@ -87,7 +92,14 @@ int run_verb(const Verb& verb, int argc, char** argv) {
   if (*verb.argument != '\0') app.add_option("subject", arguments.subject);
   app.add_option("--set", arguments.settings)->allow_extra_args(false);
   app.add_option("--out", arguments.out);
+  app.add_flag("--quiet", arguments.quiet);
   app.add_flag("--json", arguments.json);
+  const auto offers = [&](const char* option) {
+    return std::any_of(verb.options.begin(), verb.options.end(),
+                       [&](const char* own) { return own == std::string(option); });
+  };
+  if (offers("--over")) app.add_option("--over", arguments.over)->allow_extra_args(false);
+  if (offers("--threads")) app.add_option("--threads", arguments.threads)->check(CLI::Range(1, 1024));
   try {
     app.parse(argc - 1, argv + 1);
   } catch (const CLI::CallForHelp&) {
@@ -146,8 +158,9 @@ int guarded_run(int argc, char** argv) {
   std::string scene;
   for (int i = 1; i < argc; ++i) json = json || std::strcmp(argv[i], "--json") == 0;
   for (int i = argc - 1; i > 1; --i) {
-    if (argv[i][0] != '-' && std::strcmp(argv[i - 1], "--set") != 0 && std::strcmp(argv[i - 1], "--out") != 0)
-      scene = argv[i];
+    const std::string before = argv[i - 1];
+    const bool is_value = before.starts_with("--") && before != "--json" && before != "--quiet";
+    if (argv[i][0] != '-' && !is_value) scene = argv[i];
   }
   try {
     const int code = run(argc, argv);

@@ -56,7 +56,8 @@ void write_free_directions(JsonWriter& json, const std::vector<FreeDirection>& d
   json.end_list();
 }
 
-/// "V2.p 52 %, crank.angle.rate 41 %": the largest three, without trifles.
+}  // namespace
+
 std::string involved_states(const LinearModel& model, const Eigen::VectorXd& shares) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(shares.size()));
   std::iota(order.begin(), order.end(), Eigen::Index{0});
@@ -68,8 +69,6 @@ std::string involved_states(const LinearModel& model, const Eigen::VectorXd& sha
   }
   return text;
 }
-
-}  // namespace
 
 std::string counted(std::size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");

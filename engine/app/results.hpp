@@ -42,6 +42,9 @@ std::string spectrum_notes(const Spectrum& spectrum);
 std::string spectrum_document(const LinearModel& model, const Spectrum& spectrum);
 Table spectrum_table(const LinearModel& model, const Spectrum& spectrum);
 
+/// "V2.p 52 %, crank.angle.rate 41 %": the largest three participations, without trifles.
+std::string involved_states(const LinearModel& model, const Eigen::VectorXd& shares);
+
 void write_matrix(JsonWriter& json, std::string_view name, const Eigen::MatrixXd& matrix);
 void write_eigenvalues(JsonWriter& json, std::string_view name, const std::vector<std::complex<double>>& eigenvalues);
 std::string complex_text(std::complex<double> value, int digits);

@@ -36,7 +36,7 @@ struct TopLevel {
   Shape shape;
 };
 
-constexpr std::array<TopLevel, 14> kTopLevel = {{
+constexpr std::array<TopLevel, 15> kTopLevel = {{
     {"bramah", Shape::version},
     {"title", Shape::text},
     {"description", Shape::text},
@@ -51,6 +51,7 @@ constexpr std::array<TopLevel, 14> kTopLevel = {{
     {"linearize", Shape::object},
     {"study", Shape::object},
     {"compare", Shape::object},
+    {"sweep", Shape::object},
 }};
 
 void check_texts(const std::string& place, const std::string& key, const Value& value, Faults& faults) {

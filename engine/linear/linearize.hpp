@@ -45,6 +45,10 @@ class Linearizer {
   void linearize_augmented(const State& state, LinearModel& model);
 
   [[nodiscard]] const Partition& partition() const { return partition_; }
+  /// How x, v, z, u, (2n + nz + nu), move with each state and input (columns), of the last call.
+  [[nodiscard]] const Eigen::MatrixXd& motion() const { return motion_; }
+  /// The accelerations, multipliers of independent rows and rates, (n + rows + nz), that follow; columns as of motion.
+  [[nodiscard]] const Eigen::MatrixXd& response() const { return response_; }
   /// T of Eq. (31), (n x independent), of the last call of linearize.
   [[nodiscard]] Eigen::MatrixXd transformation() const;
 

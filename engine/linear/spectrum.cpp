@@ -32,6 +32,8 @@ constexpr double negligible = 1e-7;
 
 // A slow eigenvalue beside fast ones is refined where QR's error bound takes more than this part of it.
 constexpr double refine_above = 1e-12;
+// The quotient's error grows with the square of the condition.
+constexpr double well_conditioned = 1e5;
 
 /// w^H A v / w^H v in extended precision: its error is second order in those of the vectors, and rounding is relative to
 /// the terms of the row rather than to the norm of A.
@@ -269,7 +271,9 @@ Spectrum find_spectrum(const LinearModel& model) {
     mode.condition =
         std::abs(product) > 0.0 ? w.norm() * v.norm() / std::abs(product) : std::numeric_limits<double>::infinity();
     const double rounding = std::numeric_limits<double>::epsilon() * spectrum.norm * mode.condition;
-    if (rounding > refine_above * std::abs(mode.eigenvalue)) mode.eigenvalue = rayleigh_quotient(A, w, v);
+    // Near a defective zero w^H v vanishes, and with it all that the quotient could tell.
+    if (rounding > refine_above * std::abs(mode.eigenvalue) && mode.condition < well_conditioned)
+      mode.eigenvalue = rayleigh_quotient(A, w, v);
     const double bound = doubt * rounding;
     mode.doubtful = std::abs(mode.eigenvalue) <= bound;
     Index largest = 0;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include "system/compile_parts.hpp"
 
@@ -75,9 +76,16 @@ class OptionReader {
   void section(const Value& root, std::string_view name, const std::vector<std::string>& keys,
                const std::function<void(const std::string&, const Value&, const std::string&)>& take) {
     const Value* value = root.find(name);
-    if (value == nullptr || value->object() == nullptr) return;
-    for (const Member& member : *value->object()) {
-      const std::string where = pointer("/" + std::string(name), member.key);
+    if (value != nullptr) members(*value, "/" + std::string(name), name, keys, take);
+  }
+
+  /// The same for the members of one object at `place`.
+  void members(const Value& object, const std::string& place, std::string_view name,
+               const std::vector<std::string>& keys,
+               const std::function<void(const std::string&, const Value&, const std::string&)>& take) {
+    if (object.object() == nullptr) return;
+    for (const Member& member : *object.object()) {
+      const std::string where = pointer(place, member.key);
       if (std::find(keys.begin(), keys.end(), member.key) == keys.end()) {
         faults_.add("unknown-key", where, "unknown key \"" + member.key + "\" of section \"" + std::string(name) + "\"",
                     "one of: " + quoted_list(keys), suggestion(member.key, keys, "remove it"), true);
@@ -127,6 +135,9 @@ class OptionReader {
                 value.text() == nullptr ? "write one of these words"
                                         : suggestion(*value.text(), known, "write one of these words"));
   }
+
+  /// The section "sweep", or its member "second".
+  void swept(const Value& root, const Value& section, const std::string& place, std::vector<SweptParameter>& over);
 
   /// Names of x or z variables.
   void variables(const Value& list, const std::string& where, std::vector<Index>& x, std::vector<Index>* z) {
@@ -205,10 +216,165 @@ class OptionReader {
   }
 
  private:
+  [[nodiscard]] std::optional<std::string> unit_of_swept(const Value& root, const std::string& name,
+                                                         const std::string& where);
+  [[nodiscard]] std::optional<std::string> unit_of_parameter(const Value& root, const Component& component,
+                                                             const std::string& key, const std::string& where);
   const System& system_;
   Numbers& numbers_;
   Faults& faults_;
 };
+
+constexpr int least_count = 2, most_count = 100000;
+
+/// The unit of a component's parameter; a fault where it has none of this name, or one that is no number.
+std::optional<std::string> OptionReader::unit_of_parameter(const Value& root, const Component& component,
+                                                           const std::string& key, const std::string& where) {
+  std::vector<std::string> known;
+  const bramah_type& type = *component.type;
+  for (std::int32_t i = 0; i < type.parameter_count; ++i) {
+    const bramah_parameter_info& info = type.parameters[i];
+    const bool is_number = info.kind == BRAMAH_NUMBER;
+    if (is_number) known.push_back(component.name + "." + info.name);
+    if (key != info.name) continue;
+    if (!is_number) {
+      faults_.add("wrong-kind", where, "\"" + key + "\" of " + component.name + " is not a single number",
+                  "a parameter that is one number",
+                  "write \"=NAME\" where a number of it stands, and sweep constants.NAME");
+      return std::nullopt;
+    }
+    const std::string unit = info.unit;
+    if (!unit.starts_with('@')) return unit;
+    const Value* text = root.find("components")->find(component.name)->find(unit.substr(1));
+    return text != nullptr && text->text() != nullptr ? *text->text() : "1";
+  }
+  const std::string name = component.name + "." + key;
+  faults_.add("unknown-parameter", where, std::string(type.name) + " has no parameter \"" + key + "\"",
+              known.empty() ? "a parameter; it has none that is a number" : "one of: " + quoted_list(known),
+              suggestion(name, known, "`bramah describe " + std::string(type.name) + "` explains them"));
+  return std::nullopt;
+}
+
+/// The unit of what "parameter" names; a fault where there is no such number.
+std::optional<std::string> OptionReader::unit_of_swept(const Value& root, const std::string& name,
+                                                       const std::string& where) {
+  const std::size_t dot = name.find('.');
+  const std::string word = name.substr(0, dot), key = dot == std::string::npos ? "" : name.substr(dot + 1);
+  if (word == "constants" || word == "start") {
+    std::vector<std::string> known;
+    if (word == "start") {
+      Measured found;
+      if (find_measured(system_, key, found) &&
+          (found.kind == Measured::Kind::x || found.kind == Measured::Kind::v || found.kind == Measured::Kind::z))
+        return found.unit;
+      for (const Variable& v : system_.x) known.insert(known.end(), {"start." + v.name, "start." + v.name + ".rate"});
+      for (const Variable& v : system_.z) known.push_back("start." + v.name);
+    } else if (const Value* constants = root.find("constants");
+               constants != nullptr && constants->object() != nullptr) {
+      for (const Member& constant : *constants->object()) {
+        known.push_back("constants." + constant.key);
+        if (constant.key != key) continue;
+        const auto quantity = constant.value.text() ? parse_quantity(*constant.value.text()) : std::nullopt;
+        const auto si = quantity ? parse_unit(quantity->unit) : std::nullopt;
+        if (!si || quantity->unit.empty()) return "1";
+        const std::string units = alternatives(*si);  // the SI unit first
+        return units.substr(0, units.find(','));
+      }
+    }
+    if (!faults_.is_unread(key)) {
+      faults_.add("unknown-parameter", where, "the scene has no \"" + name + "\"",
+                  known.empty() ? "a name; the section is empty" : "one of: " + quoted_list(known),
+                  suggestion(name, known, "`bramah check SCENE` lists all variables"));
+    }
+    return std::nullopt;
+  }
+  if (faults_.is_unread(name)) return std::nullopt;
+  std::vector<std::string> names = {"constants", "start"};
+  for (const Component& component : system_.components) {
+    if (component.name == word) return unit_of_parameter(root, component, key, where);
+    names.push_back(component.name);
+  }
+  const Value* components = root.find("components");
+  if (components != nullptr && components->find(word) != nullptr) return std::nullopt;  // with faults of its own
+  faults_.add("unknown-parameter", where, "the scene has no \"" + name + "\"",
+              "COMPONENT.PARAMETER, constants.NAME or start.VARIABLE",
+              suggestion(word, names, "name one of these before the first dot"));
+  return std::nullopt;
+}
+
+void OptionReader::swept(const Value& root, const Value& section, const std::string& place,
+                         std::vector<SweptParameter>& over) {
+  const bool is_first = place == "/sweep";
+  std::vector<std::string> keys = {"parameter", "from", "to", "count", "values"};
+  if (is_first) keys.emplace_back("second");
+  members(section, place, is_first ? "sweep" : "second", keys,
+          [](const std::string&, const Value&, const std::string&) {});
+  const Value* name = section.find("parameter");
+  if (name == nullptr || name->text() == nullptr) {
+    faults_.add("wrong-kind", name == nullptr ? place : pointer(place, "parameter"),
+                name == nullptr ? "a sweep without \"parameter\"" : "\"parameter\" is " + description(*name),
+                "\"parameter\": \"COMPONENT.PARAMETER\", \"constants.NAME\" or \"start.VARIABLE\"",
+                "name the number that is to change", name == nullptr);
+    return;
+  }
+  SweptParameter swept{*name->text(), "1", {}};
+  const auto unit = unit_of_swept(root, swept.name, pointer(place, "parameter"));
+  const Value *from = section.find("from"), *to = section.find("to"), *count = section.find("count"),
+              *values = section.find("values");
+  if ((values != nullptr) == (from != nullptr || to != nullptr || count != nullptr) ||
+      (values == nullptr && (from == nullptr || to == nullptr))) {
+    faults_.add("wrong-choice", place,
+                values != nullptr ? "a sweep with \"values\" and a range" : "a sweep without values",
+                "either \"from\" and \"to\", with \"count\" if it is not 51, or \"values\"",
+                values != nullptr ? "keep one of them" : "add \"from\" and \"to\"", true);
+    return;
+  }
+  if (!unit) return;
+  swept.unit = *unit;
+  if (values != nullptr) {
+    numbers(*values, pointer(place, "values"), swept.unit, swept.values);
+    if (values->list() == nullptr || swept.values.size() != values->list()->size()) return;  // told already
+  } else {
+    const auto first = numbers_.read(*from, pointer(place, "from"), swept.unit);
+    const auto last = numbers_.read(*to, pointer(place, "to"), swept.unit);
+    double steps = 51.0;
+    if (count != nullptr) {
+      const std::string where = pointer(place, "count");
+      const auto read = numbers_.read(*count, where, "1");
+      if (!read) return;
+      steps = *read;
+      if (steps < least_count || steps > most_count || steps != std::floor(steps)) {
+        faults_.add("out-of-range", where, "\"count\" is " + description(*count),
+                    "a whole number from " + std::to_string(least_count) + " to " + std::to_string(most_count),
+                    "correct the number");
+        return;
+      }
+    }
+    if (!first || !last) return;
+    // Both ends exactly; the others as near to even as rounding allows.
+    for (double k = 0; k < steps; ++k) {
+      const double share = k / (steps - 1.0);
+      swept.values.push_back(k == 0 ? *first : k == steps - 1.0 ? *last : (1.0 - share) * *first + share * *last);
+    }
+  }
+  const auto out_of_order = [&](auto&& before) {
+    return std::adjacent_find(swept.values.begin(), swept.values.end(),
+                              [&](double a, double b) { return !before(a, b); }) != swept.values.end();
+  };
+  if (swept.values.size() < 2 || (out_of_order(std::less<>()) && out_of_order(std::greater<>()))) {
+    faults_.add("out-of-range", values != nullptr ? pointer(place, "values") : pointer(place, "to"),
+                swept.values.size() < 2 ? "a sweep over a single value" : "values that do not go one way",
+                "two values or more, all ascending or all descending",
+                values != nullptr ? "sort them and remove repeated ones" : "let \"to\" differ from \"from\"");
+    return;
+  }
+  if (!over.empty() && over.front().name == swept.name) {
+    faults_.add("repeated", pointer(place, "parameter"), "\"" + swept.name + "\" a second time",
+                "another parameter than the first one", "remove \"second\", or name another");
+    return;
+  }
+  over.push_back(std::move(swept));
+}
 
 }  // namespace
 
@@ -307,6 +473,15 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
   reader.section(root, "study", {"linear_from"}, [&](const std::string&, const Value& value, const std::string& where) {
     reader.number(value, where, "s", 0.0, options.study.linear_from, false);
   });
+  if (const Value* sweep = root.find("sweep"); sweep != nullptr && sweep->object() != nullptr) {
+    reader.swept(root, *sweep, "/sweep", options.sweep.over);
+    if (const Value* second = sweep->find("second"); second != nullptr && second->object() != nullptr) {
+      reader.swept(root, *second, "/sweep/second", options.sweep.over);
+    } else if (second != nullptr) {
+      faults.add("wrong-kind", "/sweep/second", "\"second\" is " + description(*second), "an object",
+                 "write it as the sweep itself: { \"parameter\": ... }");
+    }
+  }
   if (const Value* title = root.find("title"); title != nullptr && title->text() != nullptr)
     options.study.title = *title->text();
   if (const Value* text = root.find("description"); text != nullptr && text->text() != nullptr)

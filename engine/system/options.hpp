@@ -56,12 +56,23 @@ struct CompareOptions {
   std::vector<double> steps;  // h of Eq. (100); empty: 1e-1 ... 1e-12
 };
 
+/// A number of the scene that takes several values in turn, as `apply_setting` would set it.
+struct SweptParameter {
+  std::string name, unit;      // "constants.v", "boom.mass"; unit "1" where there is none
+  std::vector<double> values;  // SI, strictly ascending or descending, at least two
+};
+
+struct SweepOptions {
+  std::vector<SweptParameter> over;  // none, one, or two: then a grid
+};
+
 struct Options {
   EquilibriumOptions equilibrium;
   SimulateOptions simulate;
   LinearizeOptions linearize;
   CompareOptions compare;
   StudyOptions study;
+  SweepOptions sweep;
   std::vector<Measured> outputs;  // of the scene's "outputs"; all variables where it has none
 };
 

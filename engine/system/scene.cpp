@@ -67,8 +67,8 @@ Value value_from(std::string_view text) {
   return std::string(text);
 }
 
-constexpr std::array<std::string_view, 6> kSections = {"constants", "start",       "simulate",
-                                                       "linearize", "equilibrium", "study"};
+constexpr std::array<std::string_view, 7> kSections = {"constants",   "start", "simulate", "linearize",
+                                                       "equilibrium", "study", "sweep"};
 
 bool is_section(const Scene& scene, std::string_view word) {
   return std::find(kSections.begin(), kSections.end(), word) != kSections.end() || scene.root.find(word) != nullptr;
@@ -165,6 +165,58 @@ void apply_setting(Scene& scene, std::string_view setting) {
   }
   Value& target = target_of(scene, quoted, word, rest);
   target.set(rest, value_from(trimmed(setting.substr(equals + 1))));
+}
+
+namespace {
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(separator, begin), text.size());
+    parts.push_back(trimmed(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+Value swept_from(std::string_view text) {
+  const std::size_t equals = text.find('=');
+  const std::string_view range = equals == std::string_view::npos ? "" : trimmed(text.substr(equals + 1));
+  if (range.empty() || equals == 0) {
+    refuse("bad-sweep", "--over \"" + shortened(text) + "\" names no parameter with its values",
+           "PARAMETER=FROM:TO, PARAMETER=FROM:TO:COUNT or PARAMETER=A,B,C",
+           "write for instance --over \"constants.v=1:9:41\"");
+  }
+  Value over{Value::Object{}};
+  over.set("parameter", std::string(trimmed(text.substr(0, equals))));
+  const std::vector<std::string_view> ends = split(range, ':');
+  if (ends.size() == 1) {
+    Value::List values;
+    for (const std::string_view value : split(range, ',')) values.push_back(value_from(value));
+    over.set("values", std::move(values));
+    return over;
+  }
+  if (ends.size() > 3) {
+    refuse("bad-sweep", "--over \"" + shortened(text) + "\" has more than FROM:TO:COUNT", "at most two colons",
+           "give a count, not a step, after the second colon");
+  }
+  over.set("from", value_from(ends[0]));
+  over.set("to", value_from(ends[1]));
+  if (ends.size() == 3) over.set("count", value_from(ends[2]));
+  return over;
+}
+
+}  // namespace
+
+void apply_sweep(Scene& scene, const std::vector<std::string>& over) {
+  if (over.empty()) return;
+  if (over.size() > 2) {
+    refuse("bad-sweep", "--over is given " + std::to_string(over.size()) + " times", "one parameter, or two for a grid",
+           "sweep the others in runs of their own");
+  }
+  Value sweep = swept_from(over.front());
+  if (over.size() == 2) sweep.set("second", swept_from(over.back()));
+  scene.root.set("sweep", std::move(sweep));
 }
 
 }  // namespace bramah

@@ -28,6 +28,7 @@ const std::vector<Door>& doors() {
       {"LAPACK", std::regex("(lapack|cblas|openblas).*"), {"linear"}},
       {"nlohmann-json", std::regex("nlohmann/.*"), {"io"}},
       {"CLI11", std::regex("CLI/.*"), {"app"}},
+      {"oneTBB", std::regex("(tbb|oneapi)/.*"), {"app"}},
       {"dlopen", std::regex("dlfcn\\.h"), {"plugin"}},
   };
   return all;

@@ -84,6 +84,21 @@ TEST(Spectrum, NonzeroEigenvaluesSurviveDefectiveZeros) {
   for (const Mode& mode : spectrum.modes) EXPECT_LE(mode.eigenvalue.real(), 0.0);
 }
 
+TEST(Spectrum, SlowEigenvalueAtTheEndOfAZeroChain) {
+  // [0 1 0; 0 0 1; 0 0 s]: two zeros and s, whose condition is near 1/s^2.
+  const MatrixXd G = with_blocks({}, {1.0, 1.1, 1.2, 1.3}, 5);
+  const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(G).householderQ();
+  for (const double s : {-1e-3, -1e-5, 1e-7}) {
+    MatrixXd J = MatrixXd::Zero(4, 4);
+    J(0, 1) = J(1, 2) = 1.0;
+    J(2, 2) = s;
+    J(3, 3) = -7.0;
+    const Spectrum spectrum = find_spectrum(bare(Q * J * Q.transpose()));
+    ASSERT_EQ(spectrum.zero_count(), 2);
+    EXPECT_TRUE(close(spectrum.modes[0].eigenvalue.real(), s, 1e-13 / std::abs(s)));
+  }
+}
+
 TEST(Spectrum, VectorsBelongToTheMatrix) {
   for (const std::string scene : {"scenes/four_bar/underdamped_high_friction.json",
                                   "scenes/articulated_vehicle/straight.json", "scenes/bicycle/benchmark.json"}) {

@@ -141,7 +141,7 @@ TEST(Setting, WorksOnAnEmptyScene) {
   EXPECT_EQ(*at(scene, "constants", "g").number(), 9.81);
   const Diagnostic fault = refusal(Scene{}, "V2.p=3");
   EXPECT_EQ(fault.expected,
-            "a section (\"constants\", \"start\", \"simulate\", \"linearize\", \"equilibrium\", \"study\")");
+            "a section (\"constants\", \"start\", \"simulate\", \"linearize\", \"equilibrium\", \"study\", \"sweep\")");
 }
 
 TEST(Setting, LeavesUnknownParametersToCompile) {
