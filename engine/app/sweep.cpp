@@ -441,6 +441,7 @@ Sweep run_sweep(const Context& context) {
                                      seconds.begin() + static_cast<std::ptrdiff_t>(line + 1));
       const Tracks walked = across.follow(step, [&](const std::vector<double>& values) {
         std::vector<std::vector<double>> list;
+        list.reserve(values.size());
         for (const double value : values) list.push_back({along[0], value});
         return scene.look_at_all(list);
       });
@@ -449,6 +450,7 @@ Sweep run_sweep(const Context& context) {
     ModeFollower follower = across;
     sweep.lines.push_back(follower.follow(along, [&](const std::vector<double>& values) {
       std::vector<std::vector<double>> list;
+      list.reserve(values.size());
       for (const double value : values) list.push_back(sweep.at(line, value));
       return scene.look_at_all(list);
     }));

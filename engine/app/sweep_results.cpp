@@ -284,7 +284,7 @@ std::string sweep_csv(const Sweep& sweep) {
   text += ",zeros";
   for (std::size_t k = 0; k < tracks; ++k) {
     const std::string name = track_name(static_cast<int>(k));
-    text += "," + name + ".re," + name + ".im";
+    text.append(",").append(name).append(".re,").append(name).append(".im");
   }
   text += '\n';
   each_asked(sweep, [&](std::size_t line, const Tracks::Point& point) {

@@ -352,9 +352,10 @@ void OptionReader::swept(const Value& root, const Value& section, const std::str
     }
     if (!first || !last) return;
     // Both ends exactly; the others as near to even as rounding allows.
-    for (double k = 0; k < steps; ++k) {
-      const double share = k / (steps - 1.0);
-      swept.values.push_back(k == 0 ? *first : k == steps - 1.0 ? *last : (1.0 - share) * *first + share * *last);
+    const int last_step = static_cast<int>(steps) - 1;
+    for (int k = 0; k <= last_step; ++k) {
+      const double share = static_cast<double>(k) / last_step;
+      swept.values.push_back(k == last_step ? *last : (1.0 - share) * *first + share * *last);
     }
   }
   const auto out_of_order = [&](auto&& before) {

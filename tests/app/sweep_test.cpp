@@ -73,10 +73,11 @@ TEST_F(Cli, SweepDoesNotDependOnTheNumberOfThreads) {
 TEST_F(Cli, SweepSetsAsSettingsDo) {
   // A single point is what `modes` gives with --set, bit by bit: the partition is that of the first point.
   const json d = document("sweep " + bicycle + " --over constants.v=3,4.5,7");
+  const std::string settings = "modes " + bicycle + " --set constants.v=";
   for (const json& point : d.at("points")) {
     const std::string value = point.at("at")[0].dump();
     std::vector<double> expected, found;
-    const json modes = document("modes " + bicycle + " --set constants.v=" + value);
+    const json modes = document(settings + value);
     for (const json& e : modes.at("eigenvalues")) {
       if (!e.at("zero").get<bool>()) expected.push_back(e.at("re"));
     }
@@ -94,7 +95,7 @@ TEST_F(Cli, SweepOverAGridFindsWhereDampingVanishes) {
   for (std::size_t i = 0; i < 3; ++i) {
     const json& critical = d.at("critical")[i];
     EXPECT_LT(std::abs(critical.at("at")[0].get<double>()), 1e-14);
-    const double w = static_cast<double>(i + 1);  // sqrt(k / m)
+    const auto w = static_cast<double>(i + 1);  // sqrt(k / m)
     EXPECT_EQ(critical.at("at")[1], 2.0 * w * w);
     EXPECT_TRUE(close(critical.at("rad_s"), w, 1e-12));
     EXPECT_EQ(critical.at("becomes"), "stable");
