@@ -280,7 +280,8 @@ void write_eigenvalues(JsonWriter& json, std::string_view name, const std::vecto
   json.end_list();
 }
 
-std::string spectrum_document(const LinearModel& model, const Spectrum& spectrum) {
+std::string spectrum_document(const System& system, const Linearization& linear, const Spectrum& spectrum) {
+  const LinearModel& model = linear.model;
   JsonWriter json;
   json.begin_object();
   json.key("states").values(quantity_names(model.states));
@@ -321,7 +322,9 @@ std::string spectrum_document(const LinearModel& model, const Spectrum& spectrum
     }
     json.end_object();
   }
-  json.end_list().end_object();
+  json.end_list();
+  write_modal_details(json, system, linear, spectrum);
+  json.end_object();
   return json.take();
 }
 

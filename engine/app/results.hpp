@@ -39,7 +39,11 @@ std::string linear_notes(const System& system, const Linearization& linear);
 
 /// Notes on zeros: conserved sums, and eigenvalues that rounding alone could explain.
 std::string spectrum_notes(const Spectrum& spectrum);
-std::string spectrum_document(const LinearModel& model, const Spectrum& spectrum);
+std::string spectrum_document(const System& system, const Linearization& linear, const Spectrum& spectrum);
+/// Members of an open object: every nonzero mode in all variables, and its energies by component.
+void write_modal_details(JsonWriter& json, const System& system, const Linearization& linear, const Spectrum& spectrum);
+/// Where the energy of each nonzero mode is: the components with the largest shares. Empty where no mode has any.
+std::string energy_text(const System& system, const Linearization& linear, const Spectrum& spectrum);
 Table spectrum_table(const LinearModel& model, const Spectrum& spectrum);
 
 /// "V2.p 52 %, crank.angle.rate 41 %": the largest three participations, without trifles.

@@ -11,9 +11,11 @@ int run(const Arguments& arguments) {
   const Linearization linear = linearize(context);
   const Spectrum spectrum = find_spectrum(linear.model);
   std::string out = as_text(spectrum_table(linear.model, spectrum));
+  const std::string energies = energy_text(context.system(), linear, spectrum);
+  if (!energies.empty()) out += '\n' + energies;
   const std::string notes = spectrum_notes(spectrum) + linear_notes(context.system(), linear);
   if (!notes.empty()) out += '\n' + notes;
-  deliver(arguments, "spectrum.json", spectrum_document(linear.model, spectrum), out);
+  deliver(arguments, "spectrum.json", spectrum_document(context.system(), linear, spectrum), out);
   return exit_ok;
 }
 
@@ -23,7 +25,8 @@ constinit const Verb verb_modes = {
     "modes", "SCENE", "eigenvalues of the linear model, with the cause of every zero",
     R"(Linearizes as `bramah linearize` and prints the eigenvalues, most dangerous first, zeros last: damping ratio, frequency,
 condition number (how many times rounding is magnified) and the states that take part. Zeros are counted by ranks, never
-by an absolute limit; each names its cause, and the sums that the machine conserves are listed.
+by an absolute limit; each names its cause, and the sums that the machine conserves are listed. A second table shows the
+components that hold the kinetic, potential and pressure energy of each mode, and those that dissipate its power.
 
 Examples
   bramah modes scenes/four_bar/overdamped.json
@@ -31,7 +34,8 @@ Examples
 
 --json prints {"states": [...], "eigenvalues": [{"re", "im", "zero", "cause", "damping_ratio", "frequency_hz",
 "condition", "doubtful"}], "zero_blocks": [{"size", "kind", "cause", "moves"}], "conserved": [{STATE: share}],
-"mode_shapes": [{STATE: [re, im]}]}
+"mode_shapes": [{STATE: [re, im]}], "full_shapes": [{"variables": {NAME: [re, im]}, "multipliers": {NAME: [re, im]}}],
+"energies": [{"kinetic", "potential", "pressure", "dissipated", "components": {NAME: {...}}}]}
 )",
     run};
 

@@ -160,7 +160,7 @@ int run(const Arguments& arguments) {
   results.linear = linearize(context);
   folder.write("linear_model.json", linear_document(context.system(), results.linear));
   results.spectrum = find_spectrum(results.linear.model);
-  folder.write("spectrum.json", spectrum_document(results.linear.model, results.spectrum));
+  folder.write("spectrum.json", spectrum_document(context.system(), results.linear, results.spectrum));
   if (context.options().simulate.asked) simulate_study(context, folder, results);
   if (results.transient && context.options().study.linear_from >= 0.0) overlay_study(context, folder, results);
   if (context.scene.root.find("compare") != nullptr) {
