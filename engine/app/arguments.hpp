@@ -12,6 +12,9 @@ struct Arguments {
   std::string out;                    // folder for results, empty: none was given
   std::vector<std::string> over;      // PARAMETER=FROM:TO:COUNT or PARAMETER=A,B,C: instead of the scene's "sweep"
   int threads = 0;                    // 0: as many as there are cores
+  std::vector<std::string> inputs;    // of respond: these alone; empty: all
+  std::vector<std::string> outputs;   // instead of the scene's "outputs"
+  std::string step, impulse;          // TO or TO:COUNT, empty: not asked for
   bool quiet = false;                 // no progress bars, no word about files written
   bool json = false;                  // one JSON document on standard output
 };

@@ -28,6 +28,8 @@ Context load(const Arguments& arguments) {
     Scene scene = read_scene_text(source.text, source.name, &of_shape);
     for (const std::string& setting : arguments.settings) apply_setting(scene, setting);
     apply_sweep(scene, arguments.over);
+    if (!arguments.outputs.empty())
+      scene.root.set("outputs", Value::List(arguments.outputs.begin(), arguments.outputs.end()));
     Compiled compiled = compile(scene, std::make_shared<Registry>(), std::move(of_shape));
     return {arguments, std::move(scene), std::move(compiled)};
   } catch (const SceneError& error) {

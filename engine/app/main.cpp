@@ -100,6 +100,10 @@ int run_verb(const Verb& verb, int argc, char** argv) {
   };
   if (offers("--over")) app.add_option("--over", arguments.over)->allow_extra_args(false);
   if (offers("--threads")) app.add_option("--threads", arguments.threads)->check(CLI::Range(1, 1024));
+  if (offers("--input")) app.add_option("--input", arguments.inputs)->allow_extra_args(false);
+  if (offers("--output")) app.add_option("--output", arguments.outputs)->allow_extra_args(false);
+  if (offers("--step")) app.add_option("--step", arguments.step);
+  if (offers("--impulse")) app.add_option("--impulse", arguments.impulse);
   try {
     app.parse(argc - 1, argv + 1);
   } catch (const CLI::CallForHelp&) {

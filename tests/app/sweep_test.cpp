@@ -168,5 +168,40 @@ TEST_F(Cli, SweepRefusesWhatItCannotRead) {
   }
 }
 
+TEST_F(Cli, RespondsInTime) {
+  // A volume V behind a laminar throttle follows its supply as 1 - exp(-t / T), T from the model itself.
+  write("volume.json", R"({ "bramah": 1, "libraries": ["hydraulics", "signals"], "components": {
+    "supply": { "type": "signals/table", "unit": "Pa", "times": [0, 1], "values": [1.1e6, 1.1e6] },
+    "V": { "type": "hydraulics/volume" },
+    "hose": { "type": "hydraulics/hose", "volume": "V", "V_h": "0.1 L", "B_h": "550 MPa", "B_oil": "1.5 GPa" },
+    "throttle": { "type": "hydraulics/throttle", "a": "supply", "b": "V", "C_d": 0.8, "A_t": "1 mm^2", "rho_oil": 850 } },
+    "start": { "V.p": "1 MPa" }, "linearize": { "at": "start" } })");
+  const json d = document("respond volume.json --step 0.2:41 --impulse \"100 ms:11\" --output V.p --out .");
+  const double rate = -document("modes volume.json").at("eigenvalues")[0].at("re").get<double>();
+  const json& path = d.at("paths")[0];
+  ASSERT_EQ(d.at("paths").size(), 1U);
+  EXPECT_EQ(path.at("unit"), "Pa per Pa");
+  ASSERT_EQ(path.at("step").size(), 41U);
+  EXPECT_EQ(d.at("step_times_s")[40], 0.2);
+  for (std::size_t k = 0; k < 41; ++k)
+    EXPECT_TRUE(close(path.at("step")[k], -std::expm1(-rate * d.at("step_times_s")[k].get<double>()), 1e-12, 1.0));
+  for (std::size_t k = 0; k < 11; ++k) {
+    const double t = d.at("impulse_times_s")[k];
+    EXPECT_TRUE(close(path.at("impulse")[k], rate * std::exp(-rate * t), 1e-12, rate));
+  }
+  EXPECT_THAT(contents(folder_ / "step.csv"), HasSubstr("time,supply to V.p\n0,0\n"));
+  EXPECT_THAT(contents(folder_ / "impulse.svg"), HasSubstr("impulse of supply"));
+  for (const auto& [arguments, code, expected] :
+       std::vector<std::tuple<std::string, int, std::string>>{{"--step -1", 3, "TO:COUNT"},
+                                                              {"--step 3m", 3, "TO:COUNT"},
+                                                              {"--step 1:1", 3, "TO:COUNT"},
+                                                              {"--input suply", 3, "did you mean \"supply\"?"},
+                                                              {"--output V.q", 2, "\"V.q\""}}) {
+    const Ended run = bramah("respond volume.json " + arguments);
+    EXPECT_EQ(run.code, code) << arguments << run.err;
+    EXPECT_THAT(run.err, HasSubstr(expected)) << arguments;
+  }
+}
+
 }  // namespace
 }  // namespace bramah
