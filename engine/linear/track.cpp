@@ -280,11 +280,12 @@ void carry(ModeSet& last, const ModeSet& next, const std::vector<int>& to) {
       before.col(i) = last.right.col(tracks[static_cast<std::size_t>(i)]);
     }
     if (count > 1) {
-      // The old vectors projected on the common space, and their duals.
+      // The old vectors projected on the common space, and their duals. Left and right vectors of coincident eigenvalues
+      // are orthogonal to one another only by chance.
       const MatrixXcd turn = left.adjoint() * before;
-      const Eigen::FullPivLU<MatrixXcd> lu(turn);
-      if (lu.isInvertible() && lu.rcond() > 1e-3) {
-        right = right * turn;
+      const Eigen::FullPivLU<MatrixXcd> lu(turn), gram(left.adjoint() * right);
+      if (std::min(lu.rcond(), gram.rcond()) > 1e-8) {
+        right = right * gram.solve(turn);
         left = left * turn.adjoint().inverse();
       }
     }

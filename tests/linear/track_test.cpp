@@ -107,18 +107,23 @@ TEST(Track, SymmetricMatricesKeepTheirOrder) {
 }
 
 TEST(Track, CoincidentModesCarryTheirShapes) {
-  // At p = 0, which is asked for, the matrix is -2 I and its vectors are arbitrary; two further modes coincide always.
+  // Between -0.3 and 0.3 the matrix is -2 I with arbitrary vectors, others at each point; two modes coincide always.
+  const auto beyond = [](double p) { return std::copysign(std::max(std::abs(p) - 0.3, 0.0), p); };
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const MatrixXd G = random_matrix(4, seed);
-    const MatrixXd X = Eigen::HouseholderQR<MatrixXd>(G).householderQ();
+    const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(G).householderQ();
     const Family A = [&](double p) -> MatrixXd {
-      return X * Eigen::Vector4d(-2.0 + p, -2.0 - p, -2.0 + 3.0 * p, -2.0 + 3.0 * p).asDiagonal() * X.transpose();
+      MatrixXd X = Q;
+      X.col(0) = std::cos(0.3 * p) * Q.col(0) + std::sin(0.3 * p) * Q.col(2);
+      X.col(2) = std::cos(0.3 * p) * Q.col(2) - std::sin(0.3 * p) * Q.col(0);
+      const double s = beyond(p);
+      return X * Eigen::Vector4d(-2.0 + s, -2.0 - s, -2.0 + 3.0 * s, -2.0 + 3.0 * s).asDiagonal() * X.transpose();
     };
-    const Tracks tracks = follow(A, {-1.0, -0.5, 0.0, 0.5, 1.0});
+    const Tracks tracks = follow(A, {-1.0, -0.6, -0.25, -0.1, 0.0, 0.15, 0.2, 0.6, 1.0});
     for (const Tracks::Point& point : asked(tracks)) {
       const std::vector<double> slopes = {-1.0, 1.0, 3.0, 3.0};
       for (std::size_t k = 0; k < 4; ++k) {
-        EXPECT_TRUE(close(point.value[k].real(), -2.0 + slopes[k] * point.at, 1e-11))
+        EXPECT_TRUE(close(point.value[k].real(), -2.0 + slopes[k] * beyond(point.at), 1e-11))
             << "seed " << seed << ", p " << point.at << ", mode " << k;
       }
     }
