@@ -54,6 +54,7 @@ Linearization linearize(const Compiled& compiled, const Prescribed& prescribed) 
   result.partition = choose_partition(system, result.state, prescribed);
   Linearizer linearizer(system, result.partition, options.outputs);
   linearizer.linearize(result.state, result.model);
+  result.conditions = linearizer.conditions();
   result.motion = linearizer.motion();
   result.response = linearizer.response();
   return result;

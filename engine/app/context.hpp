@@ -31,6 +31,7 @@ struct Linearization {
   State state;
   std::vector<FreeDirection> free_directions;  // of the equilibrium
   Partition partition;
+  Conditions conditions;  // of the partition
   LinearModel model;
   Eigen::MatrixXd motion, response;  // of the Linearizer
 };

@@ -185,6 +185,7 @@ std::string linear_document(const System& system, const Linearization& linear) {
   json.key("independent").values(coordinate_names(system, linear.partition.ai));
   json.key("admissible_dependent").values(coordinate_names(system, linear.partition.ad));
   json.key("dependent").values(coordinate_names(system, linear.partition.d));
+  write_conditions(json, linear.conditions);
   json.end_object();
   json.key("redundant_rows").begin_list();
   for (const RedundantRow& row : linear.partition.redundant) {
@@ -248,6 +249,11 @@ void write_redundancy(JsonWriter& json, const std::vector<RedundantSet>& sets, c
     json.end_list().member("undetermined", set.undetermined).member("remedy", set.remedy).end_object();
   }
   json.end_list();
+}
+
+void write_conditions(JsonWriter& json, const Conditions& conditions) {
+  json.key("condition").begin_flat_object();
+  json.member("C_xd", conditions.C_xd).member("D_dd", conditions.D_dd).end_object();
 }
 
 std::string linear_notes(const System& system, const Linearization& linear) {

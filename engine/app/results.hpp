@@ -34,6 +34,8 @@ std::string linear_document(const System& system, const Linearization& linear);
 std::string redundancy_text(const std::vector<RedundantSet>& sets, const System& system);
 /// The same as "redundant_sets".
 void write_redundancy(JsonWriter& json, const std::vector<RedundantSet>& sets, const System& system);
+/// "condition": of C_xd and D_dd.
+void write_conditions(JsonWriter& json, const Conditions& conditions);
 /// Notes on redundant rows and one-sided derivatives; empty where there are none.
 std::string linear_notes(const System& system, const Linearization& linear);
 

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 
 #include "app/context.hpp"
 #include "app/failure.hpp"
@@ -76,26 +75,16 @@ int run_along(const Context& context) {
   options.output_times = times;
   JsonWriter json;
   json.begin_object();
-  Table table{{"time", "largest real part", "independent coordinates"}, {}, "rrl"};
-  std::unique_ptr<Linearizer> linearizer;
+  Table table{{"time", "largest real part", "condition", "independent coordinates"}, {}, "rrrl"};
+  LinearizerAlong linearizer(system, context.options().linearize.prescribed, context.options().outputs);
   LinearModel model;
   std::size_t next = 0;
-  const auto choose = [&](const State& state) {
-    linearizer = std::make_unique<Linearizer>(
-        system, choose_partition(system, state, context.options().linearize.prescribed), context.options().outputs);
-  };
   const Transient transient = run_transient(context, options, nullptr, true, [&](const State& state, const Vector&) {
     // Both sides of a jump of the inputs are output; the later one counts.
     if (next == times.size() || state.t != times[next] || (state.side < 0 && state.t < options.to_time)) return;
     State here = state;
     here.side = context.options().linearize.side;
-    if (linearizer == nullptr) choose(here);
-    try {
-      linearizer->linearize(here, model);
-    } catch (const AnalysisError&) {  // the old partition no longer holds here
-      choose(here);
-      linearizer->linearize(here, model);
-    }
+    linearizer.linearize(here, model);
     if (next == 0) {
       json.key("states")
           .values(names_of(model.states))
@@ -106,6 +95,7 @@ int run_along(const Context& context) {
       json.key("models").begin_list();
     }
     json.begin_object().member("time", here.t).key("states").values(names_of(model.states));
+    write_conditions(json, linearizer.conditions());
     write_matrix(json, "A", model.A);
     write_matrix(json, "B", model.B);
     write_matrix(json, "C", model.C);
@@ -114,9 +104,10 @@ int run_along(const Context& context) {
     double abscissa = -HUGE_VAL;
     for (const Mode& mode : find_spectrum(model).modes) abscissa = std::max(abscissa, mode.eigenvalue.real());
     std::string independent;
-    for (const Index i : linearizer->partition().ai)
+    for (const Index i : linearizer.partition().ai)
       independent += (independent.empty() ? "" : ", ") + system.x[static_cast<std::size_t>(i)].name;
-    table.rows.push_back({short_number(here.t, 8) + " s", short_number(abscissa, 8), independent});
+    table.rows.push_back({short_number(here.t, 8) + " s", short_number(abscissa, 8),
+                          short_number(linearizer.conditions().worst(), 2), independent});
     ++next;
   });
   if (next == 0) json.key("models").begin_list();
@@ -138,6 +129,8 @@ int run(const Arguments& arguments) {
   out +=
       matrix_text("C", model.C, model.outputs, model.states) + matrix_text("D", model.D, model.outputs, model.inputs);
   const std::string notes = linear_notes(context.system(), linear) + free_directions_text(linear.free_directions);
+  out += "\nCondition of the partition: C_xd " + short_number(linear.conditions.C_xd, 2) + ", D_dd " +
+         short_number(linear.conditions.D_dd, 2) + "\n";
   if (!notes.empty()) out += '\n' + notes;
   if (!arguments.out.empty()) write_matrices(arguments, model);
   deliver(arguments, "linear_model.json", linear_document(context.system(), linear), out);

@@ -343,6 +343,35 @@ std::vector<KinkTaken> Linearizer::kinks_at(const State& state) const {
   return kinks;
 }
 
+Conditions Linearizer::conditions() const {
+  const auto of = [](const sparse::Klu& lu, const SparsePlan& plan) {
+    return plan.rows() == 0 ? 1.0 : lu.condition(view(plan));
+  };
+  return {of(lu_C_xd_, C_xd_), of(lu_D_dd_, D_dd_)};
+}
+
+LinearizerAlong::LinearizerAlong(const System& system, Prescribed prescribed, std::vector<Measured> outputs)
+    : system_(system), prescribed_(std::move(prescribed)), outputs_(std::move(outputs)) {}
+
+void LinearizerAlong::linearize(const State& state, LinearModel& model) {
+  if (linearizer_ == nullptr) return choose(state, model);
+  try {
+    linearizer_->linearize(state, model);
+  } catch (const AnalysisError&) {  // whether the partition is to blame or the state, a new one shows
+    return choose(state, model);
+  }
+  conditions_ = linearizer_->conditions();
+  if (conditions_.worst() > std::max(worst_condition, 10.0 * when_chosen_)) choose(state, model);
+}
+
+void LinearizerAlong::choose(const State& state, LinearModel& model) {
+  linearizer_ = std::make_unique<Linearizer>(system_, choose_partition(system_, state, prescribed_), outputs_);
+  linearizer_->linearize(state, model);
+  conditions_ = linearizer_->conditions();
+  when_chosen_ = conditions_.worst();
+  ++choices_;
+}
+
 MatrixXd Linearizer::transformation() const {
   const Index n = system_.n(), k = static_cast<Index>(partition_.ai.size());
   return motion_.middleRows(n, n).middleCols(k, k);

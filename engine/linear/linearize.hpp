@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,6 +35,13 @@ struct LinearModel {
   std::vector<KinkTaken> kinks;
 };
 
+/// Condition numbers (estimates, 1-norm, SI) of the matrices that give dependent coordinates and rates; 1 where there are
+/// none, infinite where they are singular.
+struct Conditions {
+  double C_xd = 1.0, D_dd = 1.0;  // of Eqs. (42) and (31)
+  [[nodiscard]] double worst() const { return C_xd > D_dd ? C_xd : D_dd; }
+};
+
 /// Linearizes one system with one partition, any number of times: patterns and factorizations are analysed once.
 class Linearizer {
  public:
@@ -49,6 +57,8 @@ class Linearizer {
   [[nodiscard]] const Eigen::MatrixXd& motion() const { return motion_; }
   /// The accelerations, multipliers of independent rows and rates, (n + rows + nz), that follow; columns as of motion.
   [[nodiscard]] const Eigen::MatrixXd& response() const { return response_; }
+  /// Of the last call of linearize.
+  [[nodiscard]] Conditions conditions() const;
   /// T of Eq. (31), (n x independent), of the last call of linearize.
   [[nodiscard]] Eigen::MatrixXd transformation() const;
 
@@ -76,6 +86,30 @@ class Linearizer {
   Eigen::MatrixXd motion_;            // (2n + nz + nu) x columns: x, v, z, u that each column moves
   Eigen::MatrixXd response_;          // (n + m + l + nz) x columns: a, lambda, zdot that follow
   Eigen::MatrixXd work_;
+};
+
+/// Linearizes along states that differ. A partition is kept, so that models belong to the same coordinates, and chosen
+/// again where it has become singular, or its condition exceeds both `worst_condition` and ten times what it was.
+class LinearizerAlong {
+ public:
+  static constexpr double worst_condition = 1e6;  // six of sixteen digits
+  LinearizerAlong(const System& system, Prescribed prescribed, std::vector<Measured> outputs = {});
+
+  void linearize(const State& state, LinearModel& model);
+  [[nodiscard]] const Partition& partition() const { return linearizer_->partition(); }
+  [[nodiscard]] Conditions conditions() const { return conditions_; }
+  /// How often a partition has been chosen.
+  [[nodiscard]] int choices() const { return choices_; }
+
+ private:
+  void choose(const State& state, LinearModel& model);
+  const System& system_;
+  Prescribed prescribed_;
+  std::vector<Measured> outputs_;
+  std::unique_ptr<Linearizer> linearizer_;
+  Conditions conditions_;
+  double when_chosen_ = 1.0;
+  int choices_ = 0;
 };
 
 /// Eqs. (96)-(100): the augmented Jacobian by central differences with absolute step h in every variable (SI), F = A^-1 f

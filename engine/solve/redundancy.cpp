@@ -99,7 +99,7 @@ class Reactions {
 std::string axis_name(Direction d) {
   d.normalize();
   for (const Index k : {0, 1, 2}) {
-    if (std::abs(d(k)) > 1.0 - no_share) return std::string(1, "xyz"[k]);
+    if (std::abs(d(k)) > 1.0 - no_share) return {"xyz"[k]};
   }
   for (Index k = 0; k < 3; ++k) {
     if (std::abs(d(k)) < no_share) d(k) = 0.0;
@@ -203,6 +203,7 @@ class Describer {
     for (const RedundantRow& redundant : partition_.redundant)
       members[root(component(redundant.row))].push_back(&redundant);
     std::vector<RedundantSet> result;
+    result.reserve(members.size());
     for (const auto& [unused, rows] : members) result.push_back(set_of(rows));
     std::sort(result.begin(), result.end(),
               [](const auto& a, const auto& b) { return a.components.front() < b.components.front(); });

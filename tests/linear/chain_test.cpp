@@ -8,6 +8,7 @@
 #include <cmath>
 #include <complex>
 
+#include "io/read_scene.hpp"
 #include "linear/linearize.hpp"
 #include "linear/spectrum.hpp"
 #include "solve/equilibrium.hpp"
@@ -42,6 +43,20 @@ std::vector<int> each_on_its_own(int links) {
   std::vector<int> group(static_cast<std::size_t>(links));
   for (int i = 0; i < links; ++i) group[static_cast<std::size_t>(i)] = i;
   return group;
+}
+
+/// With axes along y and x in turn the planes decouple, and in each every second joint is rigid. Links 1 and 2, 3 and 4,
+/// ... turn together about y; link 1 does not turn about x, links 2 and 3, 4 and 5, ... turn together.
+std::vector<double> frequencies_in_turn(int links) {
+  std::vector<int> about_y, about_x;
+  for (int i = 1; i <= links; ++i) {
+    about_y.push_back((i - 1) / 2);
+    about_x.push_back(i / 2 - 1);
+  }
+  std::vector<double> all = pendulum_frequencies(links, about_y);
+  const std::vector<double> others = pendulum_frequencies(links, about_x);
+  all.insert(all.end(), others.begin(), others.end());
+  return all;
 }
 
 /// A linearizer at the equilibrium of a scene.
@@ -94,19 +109,19 @@ TEST_P(ChainSpectrum, WithParallelAxesInSpaceIsThatOfTheMultiPendulum) {
                       pendulum_frequencies(links, each_on_its_own(links)));
 }
 
-// Axes along y and x in turn: the planes decouple, and in each every second joint is rigid. Links 1 and 2, 3 and 4, ...
-// turn together about y; link 1 does not turn about x, links 2 and 3, 4 and 5, ... turn together.
 TEST_P(ChainSpectrum, WithAxesInTurnIsThatOfTwoMultiPendulums) {
   const int links = GetParam();
-  std::vector<int> about_y, about_x;
-  for (int i = 1; i <= links; ++i) {
-    about_y.push_back((i - 1) / 2);
-    about_x.push_back(i / 2 - 1);
-  }
-  std::vector<double> expected = pendulum_frequencies(links, about_y);
-  const std::vector<double> others = pendulum_frequencies(links, about_x);
-  expected.insert(expected.end(), others.begin(), others.end());
-  expect_oscillations(Hanging(spatial_chain(links, Axes::alternating)).reduced(), expected);
+  expect_oscillations(Hanging(spatial_chain(links, Axes::alternating)).reduced(), frequencies_in_turn(links));
+}
+
+TEST(ChainScene, HangsInThePlane) {
+  const std::string folder = std::string(BRAMAH_SOURCE_DIR) + "/scenes/linear/";
+  expect_oscillations(Hanging(read_scene(folder + "hanging_chain.json")).reduced(),
+                      pendulum_frequencies(10, each_on_its_own(10)));
+}
+TEST(ChainScene, HangsInSpace) {
+  const std::string folder = std::string(BRAMAH_SOURCE_DIR) + "/scenes/linear/";
+  expect_oscillations(Hanging(read_scene(folder + "hanging_chain_spatial.json")).reduced(), frequencies_in_turn(10));
 }
 
 /// The unreduced Jacobian has every reduced eigenvalue; all others are zeros that stand for the constraints.

@@ -31,23 +31,14 @@ struct Moving {
   [[nodiscard]] double value(const std::string& name) const { return machine.value(state, name); }
   [[nodiscard]] LinearModel model() const { return linear_model(machine, state); }
 
-  /// The model with these coordinates as x_ai and x_ad; all others are x_d. For machines without redundant rows.
+  /// The model with these coordinates as x_ai and x_ad.
   [[nodiscard]] LinearModel model(const std::vector<std::string>& ai, const std::vector<std::string>& ad) const {
-    Partition partition = choose_partition(system(), state);
     const auto indices = [&](const std::vector<std::string>& names) {
       std::vector<Index> list;
       for (const std::string& name : names) list.push_back(system().find_x(name));
       return list;
     };
-    partition.ai = indices(ai);
-    partition.ad = indices(ad);
-    partition.d.clear();
-    for (Index i = 0; i < system().n(); ++i) {
-      const auto in = [i](const std::vector<Index>& list) {
-        return std::find(list.begin(), list.end(), i) != list.end();
-      };
-      if (!in(partition.ai) && !in(partition.ad)) partition.d.push_back(i);
-    }
+    const Partition partition = choose_partition(system(), state, {indices(ai), indices(ad)});
     Linearizer linearizer(system(), partition);
     LinearModel result;
     linearizer.linearize(state, result);
