@@ -124,12 +124,15 @@ class SweptScene {
   };
 
   Linearization linearize_at(const Compiled& compiled, const std::vector<double>& at) {
+    std::optional<Linearization> kept;
     try {
-      return linearize(compiled, prescribed_);
+      kept.emplace(linearize(compiled, prescribed_));
+      if (kept->conditions.worst() <= LinearizerAlong::worst_condition) return std::move(*kept);
     } catch (const AnalysisError& error) {
       if (error.analysis() != "partition" && error.analysis() != "linearize") throw;
     }
     Linearization linear = linearize(compiled, compiled.options.linearize.prescribed);
+    if (kept && kept->conditions.worst() <= 10.0 * linear.conditions.worst()) return std::move(*kept);
     const std::scoped_lock lock(mutex_);
     chosen_again_.push_back(at);
     return linear;
@@ -383,10 +386,11 @@ void note_partitions(const SweptScene& scene, Sweep& sweep) {
   std::sort(list.begin(), list.end());
   list.erase(std::unique(list.begin(), list.end()), list.end());
   if (list.empty()) return;
-  sweep.notes.push_back("At " + counted(list.size(), "point") + " between " + digits(list.front()[0], 10) + " and " +
-                        digits(list.back()[0], 10) +
-                        " the independent coordinates of the first point cannot be independent; there they were chosen "
-                        "again. Eigenvalues do not depend on that choice.");
+  sweep.notes.push_back(
+      "At " + counted(list.size(), "point") + " between " + digits(list.front()[0], 10) + " and " +
+      digits(list.back()[0], 10) +
+      " the independent coordinates of the first point are tied, or nearly so; there they were chosen "
+      "again. Eigenvalues do not depend on that choice.");
 }
 
 void note_doubts(Sweep& sweep, const std::vector<std::pair<double, double>>& doubts) {
