@@ -192,6 +192,16 @@ TEST(Singletons, StopAtLoopsSmallPivotsAndClasses) {
   EXPECT_TRUE(sparse::find_singletons(compressed(pair).view(), 2, {.row_class = row_class}).columns.empty());
 }
 
+TEST(RankLu, GivesUpBeyondTheEntriesAllowed) {
+  const Eigen::MatrixXd A = of_rank(60, 50, 50, 1);
+  const Csc m = compressed(A);
+  sparse::RankLu lu;
+  EXPECT_TRUE(lu.factor(m.view(), {.most_entries = 60 * 50}));
+  EXPECT_FALSE(lu.factor(m.view(), {.most_entries = 20}));
+  EXPECT_TRUE(lu.factor(m.view()));
+  EXPECT_EQ(lu.rank(), 50);
+}
+
 TEST(RankLu, EmptyAndZeroColumns) {
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(3, 4);
   A(1, 2) = 5.0;
