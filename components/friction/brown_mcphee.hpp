@@ -18,7 +18,7 @@ namespace bramah::friction {
 struct BrownMcPhee {
   Coordinate along;
   Output force_out;
-  double F_c = 0.0, F_s = 0.0, v_s = 1.0, sigma_2 = 0.0;
+  Parameter F_c = 0.0, F_s = 0.0, v_s = 1.0, sigma_2 = 0.0;
   int viscous_factor = 0;
 
   void describe(Description& is) {
@@ -36,15 +36,15 @@ struct BrownMcPhee {
   void check(Faults& faults) const {
     if (F_s >= F_c) return;
     char found[64], expected[64];
-    std::snprintf(found, sizeof found, "%g N", F_s);
-    std::snprintf(expected, sizeof expected, "at least F_c = %g N", F_c);
+    std::snprintf(found, sizeof found, "%g N", F_s.value());
+    std::snprintf(expected, sizeof expected, "at least F_c = %g N", F_c.value());
     faults.add("F_s", found, expected);
   }
   template <class T>
   T force(const At<T>& at) const {
     const T& sdot = at.rate(along);
     const T w = sdot / v_s;
-    const double viscous = viscous_factor == 0 ? sigma_2 : sigma_2 * std::tanh(4.0);
+    const Parameter viscous = viscous_factor == 0 ? sigma_2 : sigma_2 * std::tanh(4.0);
     return F_c * tanh(4.0 * w) + (F_s - F_c) * w / square(0.25 * square(w) + 0.75) + viscous * sdot;  // Eq. (8)
   }
   template <class T>

@@ -25,7 +25,7 @@ struct Cylinder {
   Coordinate stroke;
   Pressure piston_side, rod_side;
   Output force, length_2, length_3;
-  double D_2 = 0.1, D_3 = 0.05, l = 1.0, c_1 = 0.0, c_2 = 0.0, B_oil = 1e9, B_c = 1e10;
+  Parameter D_2 = 0.1, D_3 = 0.05, l = 1.0, c_1 = 0.0, c_2 = 0.0, B_oil = 1e9, B_c = 1e10;
 
   void describe(Description& is) {
     is.called("hydraulics/cylinder", "a double-acting cylinder, Eqs. (7), (72)-(75)");
@@ -46,13 +46,13 @@ struct Cylinder {
   void check(Faults& faults) const {
     if (D_3 < D_2) return;
     char found[64], expected[64];
-    std::snprintf(found, sizeof found, "%g m", D_3);
-    std::snprintf(expected, sizeof expected, "less than the piston's D_2 = %g m", D_2);
+    std::snprintf(found, sizeof found, "%g m", D_3.value());
+    std::snprintf(expected, sizeof expected, "less than the piston's D_2 = %g m", D_2.value());
     faults.add("D_3", found, expected);
   }
 
-  [[nodiscard]] double A_2() const { return 0.25 * std::numbers::pi * D_2 * D_2; }                // m^2
-  [[nodiscard]] double A_3() const { return 0.25 * std::numbers::pi * (D_2 * D_2 - D_3 * D_3); }  // m^2
+  [[nodiscard]] Parameter A_2() const { return 0.25 * std::numbers::pi * D_2 * D_2; }                // m^2
+  [[nodiscard]] Parameter A_3() const { return 0.25 * std::numbers::pi * (D_2 * D_2 - D_3 * D_3); }  // m^2
   template <class T>
   T l_2(const At<T>& at) const {
     return at(stroke) - (c_1 + c_2);  // Eq. (73)
@@ -68,7 +68,7 @@ struct Cylinder {
 
   template <class T>
   void balance(const At<T>& at, Rows<T>& rows) const {
-    const double compliance = 1.0 / B_oil + 1.0 / B_c;  // 1/Pa, Eq. (75)
+    const Parameter compliance = 1.0 / B_oil + 1.0 / B_c;  // 1/Pa, Eq. (75)
     rows.apply(stroke, oil_force(at));
     rows.store(piston_side, T(l_2(at) * (A_2() * compliance)), T(at.rate(stroke) * A_2()));
     rows.store(rod_side, T(l_3(at) * (A_3() * compliance)), T(at.rate(stroke) * -A_3()));

@@ -24,7 +24,7 @@ struct DirectionalValve {
   Spool U;
   Output flow_A, flow_B;
   Switch spool_centre, laminar_limit_A, laminar_limit_B;
-  double C_v = 1e-8, dp_lim = 2e5, tau = 0.01;
+  Parameter C_v = 1e-8, dp_lim = 2e5, tau = 0.01;
 
   void describe(Description& is) {
     is.called("hydraulics/directional_valve", "a 4/3 directional valve with spool lag, Eqs. (3), (4), (6)");

@@ -13,7 +13,7 @@ namespace bramah::hydraulics {
 
 struct Hose {
   Pressure volume;
-  double V_h = 1e-5, B_h = 1e9, B_oil = 1e9;
+  Parameter V_h = 1e-5, B_h = 1e9, B_oil = 1e9;
 
   void describe(Description& is) {
     is.called("hydraulics/hose", "an elastic hose full of oil, Eq. (2)");

@@ -12,7 +12,7 @@ namespace bramah::hydraulics {
 struct Leakage {
   Pressure a, b;
   Output flow_out;
-  double C_L = 1e-13;
+  Parameter C_L = 1e-13;
 
   void describe(Description& is) {
     is.called("hydraulics/leakage", "laminar leakage between two volumes");

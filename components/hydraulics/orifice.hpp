@@ -13,13 +13,13 @@ namespace bramah::hydraulics {
 
 /// |dp| - dp_lim, Pa: negative where the flow is laminar.
 template <class T>
-T laminar_margin(const T& dp, double dp_lim) {
+T laminar_margin(const T& dp, const Parameter& dp_lim) {
   return abs(dp) - dp_lim;
 }
 
 template <class T>
-T orifice(const At<T>& at, const T& dp, double dp_lim) {
-  if (!at.above_zero(laminar_margin(dp, dp_lim))) return dp * (1.0 / std::sqrt(dp_lim));
+T orifice(const At<T>& at, const T& dp, const Parameter& dp_lim) {
+  if (!at.above_zero(laminar_margin(dp, dp_lim))) return dp * (1.0 / sqrt(dp_lim));
   return value(dp) > 0.0 ? sqrt(dp) : -sqrt(-dp);
 }
 

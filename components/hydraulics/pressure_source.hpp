@@ -8,14 +8,14 @@
 namespace bramah::hydraulics {
 
 struct PressureSource {
-  double p = 1e5;
+  Parameter p = 1e5;
 
   void describe(Description& is) {
     is.called("hydraulics/pressure_source", "a constant pressure: a pump, an accumulator or a tank");
     is.parameter("p", p, "Pa").doc("the pressure");
     is.provide_signal<Pressure>("p", "Pa", "the pressure");
   }
-  [[nodiscard]] double signal(double, int) const { return p; }
+  [[nodiscard]] Parameter signal(double, int) const { return p; }
   [[nodiscard]] double next_breakpoint(double) const { return HUGE_VAL; }
 };
 

@@ -18,7 +18,7 @@ struct Throttle {
   Pressure a, b;
   Output flow_out;
   Switch laminar_limit;
-  double C_d = 0.8, A_t = 1e-5, rho_oil = 850.0, dp_lim = 2e5;
+  Parameter C_d = 0.8, A_t = 1e-5, rho_oil = 850.0, dp_lim = 2e5;
 
   void describe(Description& is) {
     is.called("hydraulics/throttle", "a throttle valve, Eqs. (5), (6)");
@@ -33,7 +33,7 @@ struct Throttle {
   }
   template <class T>
   T flow(const At<T>& at) const {
-    const double C_vt = C_d * A_t * std::sqrt(2.0 / rho_oil);  // m^3/(s.Pa^0.5), Eq. (5)
+    const Parameter C_vt = C_d * A_t * sqrt(2.0 / rho_oil);  // m^3/(s.Pa^0.5), Eq. (5)
     return orifice(at, T(at(a) - at(b)), dp_lim) * C_vt;
   }
   template <class T>

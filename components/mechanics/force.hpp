@@ -14,7 +14,7 @@ namespace bramah::mechanics {
 struct Force {
   Frame on;
   Input magnitude;
-  Vec3<double> point = {}, direction = {};
+  Vec3<Parameter> point = {}, direction = {};
 
   void describe(Description& is) {
     is.called("mechanics/force", "a force of fixed direction at a point of a body");

@@ -9,7 +9,7 @@
 namespace bramah::mechanics {
 
 struct UniformGravity {
-  Vec3<double> acceleration = {};
+  Vec3<Parameter> acceleration = {};
 
   void describe(Description& is) {
     is.called("mechanics/gravity", "a uniform field of gravity");
@@ -18,7 +18,7 @@ struct UniformGravity {
         .doc("acceleration of free fall in ground axes; planar bodies use its x and y");
     is.provide_constants<Gravity>("field", "the field that bodies fall in");
   }
-  void constants(double* values) const { std::copy(acceleration.begin(), acceleration.end(), values); }
+  void constants(Parameter* values) const { std::copy(acceleration.begin(), acceleration.end(), values); }
 };
 
 }  // namespace bramah::mechanics

@@ -15,7 +15,7 @@ struct Ground {
     is.provide_constants<Frame>("frame", "origin and axes of the inertial frame");
     is.provide_constants<PlanarFrame>("planar", "the same for planar bodies: its x-y plane");
   }
-  void constants(double* values) const {
+  void constants(Parameter* values) const {
     std::fill_n(values, Frame::slots + PlanarFrame::slots, 0.0);
     values[3] = 1.0;  // e0: not rotated
   }

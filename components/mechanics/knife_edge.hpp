@@ -16,7 +16,7 @@ namespace bramah::mechanics {
 struct KnifeEdge {
   PlanarFrame body;
   NonholonomicRow edge;
-  Vec2<double> point = {}, direction = {};
+  Vec2<Parameter> point = {}, direction = {};
 
   void describe(Description& is) {
     is.called("mechanics/knife_edge", "a knife edge, skate or axle of wheels: no speed across it");
@@ -29,7 +29,7 @@ struct KnifeEdge {
   void check(Faults& faults) const { require_direction(faults, "direction", direction); }
   template <class T>
   void nonholonomic(const Motion<T>& at, Values<T>& rows) const {
-    rows(edge) = dot(at.direction(body, {-direction[1], direction[0]}), at.velocity(body, point));
+    rows(edge) = dot(at.direction(body, Vec2<Parameter>{-direction[1], direction[0]}), at.velocity(body, point));
   }
 };
 

@@ -12,7 +12,7 @@ namespace bramah::mechanics {
 
 struct Mass {
   Coordinate x;
-  double mass = 1.0, position = 0.0, velocity = 0.0;
+  Parameter mass = 1.0, position = 0.0, velocity = 0.0;
 
   void describe(Description& is) {
     is.called("mechanics/mass", "a mass that moves along a line");

@@ -17,9 +17,9 @@ namespace bramah::mechanics {
 struct PlanarBody {
   Gravity gravity;
   PlanarFrame frame;
-  double mass = 1.0, inertia = 0.0;
-  Vec2<double> position = {}, velocity = {};
-  double angle = 0.0, angular_velocity = 0.0;
+  Parameter mass = 1.0, inertia = 0.0;
+  Vec2<Parameter> position = {}, velocity = {};
+  Parameter angle = 0.0, angular_velocity = 0.0;
 
   void describe(Description& is) {
     is.called("mechanics/planar_body", "a rigid body in a plane");
@@ -33,7 +33,7 @@ struct PlanarBody {
     is.own("frame", frame, "centre of mass and body axes");
   }
   void start(Start& start) const {
-    double *x = start.frame(frame), *v = start.frame_rate(frame);
+    Parameter *x = start.frame(frame), *v = start.frame_rate(frame);
     x[0] = position[0], x[1] = position[1], x[2] = angle;
     v[0] = velocity[0], v[1] = velocity[1], v[2] = angular_velocity;
   }

@@ -16,7 +16,7 @@ namespace bramah::mechanics {
 struct PlanarBushing {
   PlanarFrame a, b;
   Output force_x, force_y;
-  Vec2<double> point_a = {}, point_b = {}, stiffness = {}, damping = {};
+  Vec2<Parameter> point_a = {}, point_b = {}, stiffness = {}, damping = {};
 
   void describe(Description& is) {
     is.called("mechanics/planar_bushing", "springs and dampers between points of two planar bodies");

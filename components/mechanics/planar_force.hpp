@@ -15,7 +15,7 @@ namespace bramah::mechanics {
 struct PlanarForce {
   PlanarFrame on;
   Input magnitude;
-  Vec2<double> point = {}, direction = {};
+  Vec2<Parameter> point = {}, direction = {};
 
   void describe(Description& is) {
     is.called("mechanics/planar_force", "a force of fixed direction at a point of a planar body");

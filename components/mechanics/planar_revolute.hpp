@@ -13,7 +13,7 @@ namespace bramah::mechanics {
 struct PlanarRevolute {
   PlanarFrame a, b;
   HolonomicRow x, y;
-  Vec2<double> point_a = {}, point_b = {};
+  Vec2<Parameter> point_a = {}, point_b = {};
 
   void describe(Description& is) {
     is.called("mechanics/planar_revolute", "a pin between two planar bodies");

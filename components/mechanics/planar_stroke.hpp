@@ -17,8 +17,8 @@ struct PlanarStroke {
   PlanarFrame a, b;
   Coordinate s;
   HolonomicRow length_row;
-  Vec2<double> point_a = {}, point_b = {};
-  double length = 1.0;
+  Vec2<Parameter> point_a = {}, point_b = {};
+  Parameter length = 1.0;
 
   void describe(Description& is) {
     is.called("mechanics/planar_stroke", "the distance of points of two planar bodies");

@@ -19,8 +19,8 @@ struct PlanarTraction {
   PlanarFrame on;
   Input drive;
   Output force_out;
-  double X_0 = 0.0, c_d = 0.0;
-  Vec2<double> point = {}, direction = {};
+  Parameter X_0 = 0.0, c_d = 0.0;
+  Vec2<Parameter> point = {}, direction = {};
 
   void describe(Description& is) {
     is.called("mechanics/planar_traction", "traction and resistance along a direction of a planar body");

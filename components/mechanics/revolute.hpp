@@ -18,8 +18,8 @@ namespace bramah::mechanics {
 struct Revolute {
   Frame a, b;
   HolonomicRow x, y, z, tilt_1, tilt_2;
-  Vec3<double> point_a = {}, point_b = {}, axis_a = {}, axis_b = {};
-  std::array<Vec3<double>, 2> t = {};  // 1
+  Vec3<Parameter> point_a = {}, point_b = {}, axis_a = {}, axis_b = {};
+  std::array<Vec3<Parameter>, 2> t = {};  // 1
 
   void describe(Description& is) {
     is.called("mechanics/revolute", "a hinge between two bodies, Eq. (67)");

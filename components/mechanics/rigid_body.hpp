@@ -23,9 +23,9 @@ struct RigidBody {
   Gravity gravity;
   Frame frame;
   HolonomicRow norm;
-  double mass = 1.0;
-  Vec3<double> inertia = {}, products = {};
-  Vec3<double> position = {}, rotation = {}, velocity = {}, angular_velocity = {};
+  Parameter mass = 1.0;
+  Vec3<Parameter> inertia = {}, products = {};
+  Vec3<Parameter> position = {}, rotation = {}, velocity = {}, angular_velocity = {};
 
   void describe(Description& is) {
     is.called("mechanics/rigid_body", "a rigid body in space");
@@ -48,8 +48,8 @@ struct RigidBody {
   void check(Faults& faults) const {
     // The matrix of second moments, tr(I)/2 1 - I = integral of r r^T dm, is positive semidefinite for every body; this
     // implies the same of I. Slender rods sit on the edge, so rounded numbers get a margin.
-    const double trace = inertia[0] + inertia[1] + inertia[2], margin = 1e-9 * trace;
-    const Vec3<double> moment = {0.5 * trace - inertia[0], 0.5 * trace - inertia[1], 0.5 * trace - inertia[2]};
+    const Parameter trace = inertia[0] + inertia[1] + inertia[2], margin = 1e-9 * trace;
+    const Vec3<Parameter> moment = {0.5 * trace - inertia[0], 0.5 * trace - inertia[1], 0.5 * trace - inertia[2]};
     const std::string found = written(inertia) + " with products " + written(products);
     if (!semidefinite(inertia, products, margin)) {
       faults.add("inertia", found, "a positive semidefinite inertia matrix");
@@ -59,9 +59,9 @@ struct RigidBody {
   }
 
   void start(Start& start) const {
-    const Quaternion<double> e = quaternion_of(rotation);
-    const Quaternion<double> edot = body_rate_transposed(e, 0.5 * angular_velocity);  // inverts w = 2 L edot
-    double *x = start.frame(frame), *v = start.frame_rate(frame);
+    const Quaternion<Parameter> e = quaternion_of(rotation);
+    const Quaternion<Parameter> edot = body_rate_transposed(e, 0.5 * angular_velocity);  // inverts w = 2 L edot
+    Parameter *x = start.frame(frame), *v = start.frame_rate(frame);
     std::copy(position.begin(), position.end(), x);
     std::copy(e.begin(), e.end(), x + 3);
     std::copy(velocity.begin(), velocity.end(), v);
@@ -82,9 +82,9 @@ struct RigidBody {
  private:
   /// Whether the symmetric matrix (diagonal xx, yy, zz; off xy, xz, yz) has no eigenvalue below about -margin: by all
   /// its principal minors.
-  static bool semidefinite(const Vec3<double>& d, const Vec3<double>& o, double margin) {
-    const double a = d[0] + margin, b = d[1] + margin, c = d[2] + margin;
-    const double determinant =
+  static bool semidefinite(const Vec3<Parameter>& d, const Vec3<Parameter>& o, const Parameter& margin) {
+    const Parameter a = d[0] + margin, b = d[1] + margin, c = d[2] + margin;
+    const Parameter determinant =
         a * (b * c - o[2] * o[2]) - o[0] * (o[0] * c - o[2] * o[1]) + o[1] * (o[0] * o[2] - b * o[1]);
     return a >= 0.0 && b >= 0.0 && c >= 0.0 && a * b >= o[0] * o[0] && a * c >= o[1] * o[1] && b * c >= o[2] * o[2] &&
            determinant >= -1e-15 * (a + b + c) * (a + b + c) * (a + b + c);

@@ -30,9 +30,9 @@ struct RollingDisc {
   Coordinate x, y, z, yaw, lean, spin;
   HolonomicRow contact;
   NonholonomicRow rolling_x, rolling_y;
-  double mass = 1.0, A = 1.0, C = 1.0, a = 1.0, rho = 0.0;
-  Vec2<double> position = {};
-  double yaw_0 = 0.0, lean_0 = 0.0, spin_0 = 0.0, yaw_rate = 0.0, lean_rate = 0.0, spin_rate = 0.0;
+  Parameter mass = 1.0, A = 1.0, C = 1.0, a = 1.0, rho = 0.0;
+  Vec2<Parameter> position = {};
+  Parameter yaw_0 = 0.0, lean_0 = 0.0, spin_0 = 0.0, yaw_rate = 0.0, lean_rate = 0.0, spin_rate = 0.0;
 
   void describe(Description& is) {
     is.called("mechanics/rolling_disc", "a disc, hoop or torus that rolls without slip on the plane z = 0");
@@ -72,7 +72,7 @@ struct RollingDisc {
     return {a * (spinning + turning * sin(tilt)) + rho * spinning * c, (a * c + rho) * tilting};
   }
   void start(Start& start) const {
-    const double angles[] = {yaw_0, lean_0, spin_0}, rates[] = {yaw_rate, lean_rate, spin_rate};
+    const Parameter angles[] = {yaw_0, lean_0, spin_0}, rates[] = {yaw_rate, lean_rate, spin_rate};
     const Coordinate coordinates[] = {yaw, lean, spin};
     for (int k = 0; k < 3; ++k) {
       start(coordinates[k]) = angles[k];
@@ -81,10 +81,10 @@ struct RollingDisc {
     const auto [ahead, right] = speeds(lean_0, yaw_rate, lean_rate, spin_rate);
     start(x) = position[0];
     start(y) = position[1];
-    start(z) = a * std::cos(lean_0) + rho;
-    start.rate(x) = ahead * std::cos(yaw_0) + right * std::sin(yaw_0);
-    start.rate(y) = ahead * std::sin(yaw_0) - right * std::cos(yaw_0);
-    start.rate(z) = -a * std::sin(lean_0) * lean_rate;
+    start(z) = a * cos(lean_0) + rho;
+    start.rate(x) = ahead * cos(yaw_0) + right * sin(yaw_0);
+    start.rate(y) = ahead * sin(yaw_0) - right * cos(yaw_0);
+    start.rate(z) = -a * sin(lean_0) * lean_rate;
   }
   template <class T>
   void balance(const At<T>& at, Rows<T>& rows) const {

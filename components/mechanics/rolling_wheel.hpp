@@ -24,8 +24,8 @@ struct RollingWheel {
   Coordinate spin;
   HolonomicRow contact;
   NonholonomicRow rolling_x, rolling_y;
-  Vec3<double> point = {}, axle = {};
-  double a = 1.0, rho = 0.0;
+  Vec3<Parameter> point = {}, axle = {};
+  Parameter a = 1.0, rho = 0.0;
 
   void describe(Description& is) {
     is.called("mechanics/rolling_wheel", "a wheel that rolls without slip on the plane z = 0");

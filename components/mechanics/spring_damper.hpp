@@ -15,7 +15,7 @@ namespace bramah::mechanics {
 struct SpringDamper {
   Coordinate from, to;
   Output force_out;
-  double stiffness = 0.0, damping = 0.0, free_length = 0.0;
+  Parameter stiffness = 0.0, damping = 0.0, free_length = 0.0;
 
   void describe(Description& is) {
     is.called("mechanics/spring_damper", "a spring and a damper along a length");

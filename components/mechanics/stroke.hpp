@@ -17,8 +17,8 @@ struct Stroke {
   Frame a, b;
   Coordinate s;
   HolonomicRow length_row;
-  Vec3<double> point_a = {}, point_b = {};
-  double length = 1.0;
+  Vec3<Parameter> point_a = {}, point_b = {};
+  Parameter length = 1.0;
 
   void describe(Description& is) {
     is.called("mechanics/stroke", "the distance of points of two bodies");

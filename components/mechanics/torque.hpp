@@ -13,7 +13,7 @@ namespace bramah::mechanics {
 struct Torque {
   Frame on;
   Input magnitude;
-  Vec3<double> axis = {};
+  Vec3<Parameter> axis = {};
 
   void describe(Description& is) {
     is.called("mechanics/torque", "a torque about an axis fixed in a body");

@@ -15,7 +15,7 @@ namespace bramah::mechanics {
 struct TorsionSpring {
   Coordinate from, to;
   Output torque_out;
-  double stiffness = 0.0, damping = 0.0, free_angle = 0.0;
+  Parameter stiffness = 0.0, damping = 0.0, free_angle = 0.0;
 
   void describe(Description& is) {
     is.called("mechanics/torsion_spring", "a torsion spring and a rotational damper on an angle");

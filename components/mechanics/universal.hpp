@@ -17,7 +17,7 @@ namespace bramah::mechanics {
 struct Universal {
   Frame a, b;
   HolonomicRow x, y, z, across;
-  Vec3<double> point_a = {}, point_b = {}, axis_a = {}, axis_b = {};
+  Vec3<Parameter> point_a = {}, point_b = {}, axis_a = {}, axis_b = {};
 
   void describe(Description& is) {
     is.called("mechanics/universal", "a universal joint between two bodies");

@@ -21,11 +21,11 @@
 namespace bramah::mechanics {
 
 /// A plate has C = 2 A; no body has more. Rounded numbers get a margin.
-inline void require_axial_inertia(Faults& faults, double A, double C) {
+inline void require_axial_inertia(Faults& faults, const Parameter& A, const Parameter& C) {
   if (C <= 2.0 * A * (1.0 + 1e-9)) return;
   char found[64], expected[64];
-  std::snprintf(found, sizeof found, "%g kg.m^2", C);
-  std::snprintf(expected, sizeof expected, "at most 2 A = %g kg.m^2, that of a plate", 2.0 * A);
+  std::snprintf(found, sizeof found, "%g kg.m^2", C.value());
+  std::snprintf(expected, sizeof expected, "at most 2 A = %g kg.m^2, that of a plate", 2.0 * A.value());
   faults.add("C", found, expected);
 }
 
@@ -33,8 +33,8 @@ struct Wheel {
   Gravity gravity;
   Frame carrier;
   Coordinate spin;
-  double mass = 1.0, A = 1.0, C = 1.0, angle = 0.0, rate = 0.0;
-  Vec3<double> point = {}, axle = {};
+  Parameter mass = 1.0, A = 1.0, C = 1.0, angle = 0.0, rate = 0.0;
+  Vec3<Parameter> point = {}, axle = {};
 
   void describe(Description& is) {
     is.called("mechanics/wheel", "an axisymmetric wheel or rotor on an axle of a body");

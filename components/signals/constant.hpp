@@ -8,7 +8,7 @@ namespace bramah::signals {
 
 struct Constant {
   std::string unit;
-  double level = 0.0;
+  Parameter level = 0.0;
 
   void describe(Description& is) {
     is.called("signals/constant", "a constant signal");
@@ -16,7 +16,7 @@ struct Constant {
     is.parameter("value", level, "@unit").doc("the value");
     is.provide_signal<Input>("value", "@unit", "the value");
   }
-  [[nodiscard]] double signal(double, int) const { return level; }
+  [[nodiscard]] Parameter signal(double, int) const { return level; }
   [[nodiscard]] double next_breakpoint(double) const { return HUGE_VAL; }
 };
 

@@ -15,7 +15,8 @@ namespace bramah::signals {
 
 struct Table {
   std::string unit;
-  std::vector<double> times, values;
+  std::vector<double> times;  // moving a kink in time is no derivative of a signal
+  std::vector<Parameter> values;
 
   void describe(Description& is) {
     is.called("signals/table", "a signal through given points, linear between them");
@@ -37,7 +38,7 @@ struct Table {
       }
     }
   }
-  [[nodiscard]] double signal(double t, int side) const {
+  [[nodiscard]] Parameter signal(double t, int side) const {
     // The first point behind t; from before, a point at t itself is still ahead.
     const auto after =
         side > 0 ? std::upper_bound(times.begin(), times.end(), t) : std::lower_bound(times.begin(), times.end(), t);

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
+
+#include "system/analysis_error.hpp"
+#include "system/scene.hpp"
 
 namespace bramah {
 
@@ -58,29 +62,34 @@ Blocks::Blocks(const System& system)
     ny = std::max(ny, static_cast<std::size_t>(type.output_count));
   }
   const auto size = static_cast<std::size_t>(chunk);
-  for (Vector* v : {&lx_, &lv_, &la_, &lf_}) v->resize(size * nx);
-  for (Vector* v : {&lz_, &lzdot_, &lg_}) v->resize(size * nz);
-  lu_.resize(size * nu);
-  for (Vector* v : {&llambda_, &lc_, &lr_, &ls_}) v->resize(size * rows);
+  for (Inputs* i : {&in_, &along_}) {
+    for (Vector* v : {&i->x, &i->v, &i->a}) v->resize(size * nx);
+    for (Vector* v : {&i->z, &i->zdot}) v->resize(size * nz);
+    i->u.resize(size * nu);
+    i->lambda.resize(size * rows);
+  }
+  lf_.resize(size * nx);
+  lg_.resize(size * nz);
+  for (Vector* v : {&lc_, &lr_, &ls_}) v->resize(size * rows);
   ly_.resize(size * ny);
 }
 
-void Blocks::gather(const Group& group, const State& state, Index first, Index count) {
+void Blocks::gather(const Group& group, const State& state, Index first, Index count, Inputs& in) {
   const bramah_type& type = *group.type;
   const auto copy = [&](const Vector& from, const std::vector<std::int32_t>& map, std::int32_t slots, Vector& to) {
     const std::int32_t* position = map.data() + first * slots;
     for (Index k = 0; k < count * slots; ++k)
       to[static_cast<std::size_t>(k)] = from[static_cast<std::size_t>(position[k])];
   };
-  copy(state.x, group.x, type.nx, lx_);
-  copy(state.v, group.x, type.nx, lv_);
-  copy(state.a, group.x, type.nx, la_);
-  copy(state.z, group.z, type.nz, lz_);
-  copy(state.zdot, group.z, type.nz, lzdot_);
-  copy(state.z, group.u, type.nu, lu_);
+  copy(state.x, group.x, type.nx, in.x);
+  copy(state.v, group.x, type.nx, in.v);
+  copy(state.a, group.x, type.nx, in.a);
+  copy(state.z, group.z, type.nz, in.z);
+  copy(state.zdot, group.z, type.nz, in.zdot);
+  copy(state.z, group.u, type.nu, in.u);
   const Index mh = type.holonomic_count, ml = type.nonholonomic_count;
   const auto m = static_cast<Index>(c.size());
-  double* lambda = llambda_.data();
+  double* lambda = in.lambda.data();
   for (Index i = first; i < first + count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     for (Index j = 0; j < mh; ++j) *lambda++ = state.lambda[static_cast<std::size_t>(group.first_holonomic[k] + j)];
@@ -90,6 +99,15 @@ void Blocks::gather(const Group& group, const State& state, Index first, Index c
 }
 
 Outcome Blocks::evaluate(const System& system, const State& state, const Request& request) {
+  return evaluate_all(system, state, nullptr, request);
+}
+
+Outcome Blocks::evaluate_along(const System& system, const State& state, const Direction& along,
+                               const Request& request) {
+  return evaluate_all(system, state, &along, request);
+}
+
+Outcome Blocks::evaluate_all(const System& system, const State& state, const Direction* along, const Request& request) {
   for (auto [wanted, rows] : {std::pair{request.f, &f},
                               {request.g, &g},
                               {request.c, &c},
@@ -116,13 +134,13 @@ Outcome Blocks::evaluate(const System& system, const State& state, const Request
     batch.size = sizeof batch;
     batch.time = state.t;
     batch.side = state.side;
-    batch.x = lx_.data();
-    batch.v = lv_.data();
-    batch.a = la_.data();
-    batch.z = lz_.data();
-    batch.zdot = lzdot_.data();
-    batch.u = lu_.data();
-    batch.lambda = llambda_.data();
+    batch.x = in_.x.data();
+    batch.v = in_.v.data();
+    batch.a = in_.a.data();
+    batch.z = in_.z.data();
+    batch.zdot = in_.zdot.data();
+    batch.u = in_.u.data();
+    batch.lambda = in_.lambda.data();
     batch.f = request.f && type.nx > 0 ? lf_.data() : nullptr;
     batch.g = request.g && type.nz > 0 ? lg_.data() : nullptr;
     batch.c = request.c && mh > 0 ? lc_.data() : nullptr;
@@ -131,33 +149,27 @@ Outcome Blocks::evaluate(const System& system, const State& state, const Request
     batch.y = request.y && type.output_count > 0 ? ly_.data() : nullptr;
     batch.patterns = group.pattern_views.data();
 
-    for (Index first = 0; first < group.count; first += chunk) {
-      const Index count = std::min(chunk, group.count - first);
-      gather(group, state, first, count);
+    Index count = 0;
+    for (Index first = 0; first < group.count; first += count) {
+      Run run{k, first, std::min(chunk, group.count - first), group.instances.at(first)};
+      if (along != nullptr) std::tie(run.instances, run.count) = along->instances(group, first, run.count);
+      count = run.count;
+      gather(group, state, first, count, in_);
+      if (along != nullptr) gather(group, along->state, first, count, along_);
       batch.count = count;
-      batch.instances = group.instances.at(first);
+      batch.instances = run.instances;
       for (std::size_t b = 0; b < BRAMAH_BLOCKS; ++b) {
         batch.partials[b] = wanted[b] ? partials_[k][b].data() + first * group.pattern_views[b].count : nullptr;
       }
       // Rows that a type does not write stay what they were, so they start from zero.
       if (batch.f != nullptr) std::fill_n(lf_.begin(), count * type.nx, 0.0);
       if (batch.g != nullptr) std::fill_n(lg_.begin(), count * type.nz, 0.0);
-      const int status = type.evaluate(type.self, &batch);
-      if (status != 0) return failure(system, group, first + batch.failed, status, batch.message);
-
-      if (reactions) {
-        const bramah_pattern& d = group.pattern_views[BRAMAH_R_V];
-        const double* value = batch.partials[BRAMAH_R_V];
-        for (Index i = 0; i < count && d.count > 0; ++i) {
-          for (Index j = 0; j < d.columns; ++j) {
-            double force = 0.0;
-            for (std::int32_t e = d.start[j]; e < d.start[j + 1]; ++e) {
-              force += value[i * d.count + e] * llambda_[static_cast<std::size_t>(i * rows + d.row[e])];
-            }
-            lf_[static_cast<std::size_t>(i * type.nx + j)] += force;
-          }
-        }
+      int status = call(system, run, along, batch);
+      if (status == 0 && reactions) {
+        add_reactions(group, count, batch.partials[BRAMAH_R_V], in_.lambda);
+        if (along != nullptr) status = add_moving_reactions(group, run, batch);
       }
+      if (status != 0) return failure(system, group, first + batch.failed, status, batch.message);
       for (Index i = 0; i < count; ++i) {
         const auto instance = static_cast<std::size_t>(first + i);
         for (Index j = 0; batch.f != nullptr && j < type.nx; ++j) {
@@ -186,7 +198,83 @@ Outcome Blocks::evaluate(const System& system, const State& state, const Request
       }
     }
   }
-  return check_finite(system, request);
+  return check_finite(system, request, along == nullptr ? "" : "the derivative of ");
+}
+
+int Blocks::call(const System& system, const Run& run, const Direction* along, bramah_batch& batch) {
+  const Group& group = system.groups[run.group];
+  const bramah_type& type = *group.type;
+  if (along == nullptr) return type.evaluate(type.self, &batch);
+  if (const auto* tangent = extension<bramah_tangent>(type, BRAMAH_EXTENSION_TANGENT)) {
+    const bramah_direction direction{sizeof(bramah_direction), along_.x.data(),     along_.v.data(),
+                                     along_.a.data(),          along_.z.data(),     along_.zdot.data(),
+                                     along_.u.data(),          along_.lambda.data()};
+    return tangent->evaluate(type.self, &batch, &direction);
+  }
+  check_still(system, run);
+  const auto clear = [](double* to, Index numbers) {
+    if (to != nullptr) std::fill_n(to, numbers, 0.0);
+  };
+  const Index mh = type.holonomic_count, rows = mh + type.nonholonomic_count;
+  clear(batch.f, run.count * type.nx);
+  clear(batch.g, run.count * type.nz);
+  clear(batch.c, run.count * mh);
+  clear(batch.r, run.count * rows);
+  clear(batch.s, run.count * rows);
+  clear(batch.y, run.count * type.output_count);
+  for (std::size_t b = 0; b < BRAMAH_BLOCKS; ++b) clear(batch.partials[b], run.count * group.pattern_views[b].count);
+  return 0;
+}
+
+/// Of a type without derivatives: where nothing moves, they are zero.
+void Blocks::check_still(const System& system, const Run& run) const {
+  const Group& group = system.groups[run.group];
+  const bramah_type& type = *group.type;
+  const Index rows = type.holonomic_count + type.nonholonomic_count;
+  for (Index i = 0; i < run.count; ++i) {
+    const auto moves = [i](const Vector& all, Index slots) {
+      const auto first = all.begin() + i * slots;
+      return std::any_of(first, first + slots, [](double d) { return d != 0.0; });
+    };
+    if (!moves(along_.x, type.nx) && !moves(along_.v, type.nx) && !moves(along_.a, type.nx) &&
+        !moves(along_.z, type.nz) && !moves(along_.zdot, type.nz) && !moves(along_.u, type.nu) &&
+        !moves(along_.lambda, rows)) {
+      continue;
+    }
+    const std::string& name = system.component_name(group.component[static_cast<std::size_t>(run.first + i)]);
+    throw AnalysisError("second derivatives", name + " (" + type.name + ") gives none, and its variables move",
+                        std::string("the extension ") + BRAMAH_EXTENSION_TANGENT,
+                        "build its library again with this SDK, or add the extension to it",
+                        pointer("/components", name));
+  }
+}
+
+/// Adds D^T lambda to the local forces; d: the entries of R_V.
+void Blocks::add_reactions(const Group& group, Index count, const double* d, const Vector& lambda) {
+  const bramah_pattern& p = group.pattern_views[BRAMAH_R_V];
+  const Index rows = group.type->holonomic_count + group.type->nonholonomic_count, nx = group.type->nx;
+  for (Index i = 0; i < count && p.count > 0; ++i) {
+    for (Index j = 0; j < p.columns; ++j) {
+      double force = 0.0;
+      for (std::int32_t e = p.start[j]; e < p.start[j + 1]; ++e) {
+        force += d[i * p.count + e] * lambda[static_cast<std::size_t>(i * rows + p.row[e])];
+      }
+      lf_[static_cast<std::size_t>(i * nx + j)] += force;
+    }
+  }
+}
+
+/// (D^T lambda)' = D'^T lambda + D^T lambda': the second term, for which D itself is needed. `batch` is a copy.
+int Blocks::add_moving_reactions(const Group& group, const Run& run, bramah_batch batch) {
+  const bramah_pattern& p = group.pattern_views[BRAMAH_R_V];
+  if (p.count == 0) return 0;
+  d_.resize(static_cast<std::size_t>(chunk * p.count));
+  batch.f = batch.g = batch.c = batch.r = batch.s = batch.y = nullptr;
+  std::fill(std::begin(batch.partials), std::end(batch.partials), nullptr);
+  batch.partials[BRAMAH_R_V] = d_.data();
+  const int status = group.type->evaluate(group.type->self, &batch);
+  if (status == 0) add_reactions(group, run.count, d_.data(), along_.lambda);
+  return status;
 }
 
 Outcome Blocks::failure(const System& system, const Group& group, Index instance, int status, const char* why) {
@@ -198,7 +286,7 @@ Outcome Blocks::failure(const System& system, const Group& group, Index instance
   return outcome;
 }
 
-Outcome Blocks::check_finite(const System& system, const Request& request) const {
+Outcome Blocks::check_finite(const System& system, const Request& request, const char* prefix) const {
   const auto look = [](bool wanted, const Vector& rows) -> Index {
     if (!wanted) return -1;
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -209,7 +297,7 @@ Outcome Blocks::check_finite(const System& system, const Request& request) const
   Outcome outcome;
   const auto report = [&](const std::string& what, const auto& row) {
     outcome.status = Outcome::Status::recoverable;
-    outcome.message = what + row.name + " is not finite";
+    outcome.message = prefix + what + row.name + " is not finite";
     outcome.component = row.component;
   };
   if (const Index i = look(request.f, f); i >= 0) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "system/direction.hpp"
 #include "system/system.hpp"
 
 namespace bramah {
@@ -52,15 +53,35 @@ class Blocks {
   /// Evaluates `request` at `state`. A value that is not finite is recoverable and named in the outcome.
   Outcome evaluate(const System& system, const State& state, const Request& request);
 
+  /// The same with derivatives by eps in place of rows and partials, exactly, where the state and parameters move along
+  /// `along`:  d/deps row(y + eps dy, p + eps dp),  d/deps block(y + eps dy, p + eps dp). Layout and patterns are those of
+  /// `evaluate`, so that plans are filled alike. AnalysisError for a component whose type gives no derivatives and whose
+  /// variables move.
+  Outcome evaluate_along(const System& system, const State& state, const Direction& along, const Request& request);
+
  private:
-  void gather(const Group& group, const State& state, Index first, Index count);
+  struct Inputs {  // local inputs of one chunk
+    Vector x, v, a, z, zdot, u, lambda;
+  };
+  struct Run {  // instances that are evaluated in one call
+    std::size_t group;
+    Index first, count;
+    const void* instances;
+  };
+  Outcome evaluate_all(const System& system, const State& state, const Direction* along, const Request& request);
+  void gather(const Group& group, const State& state, Index first, Index count, Inputs& in);
+  int call(const System& system, const Run& run, const Direction* along, bramah_batch& batch);
+  void check_still(const System& system, const Run& run) const;
+  void add_reactions(const Group& group, Index count, const double* d, const Vector& lambda);
+  int add_moving_reactions(const Group& group, const Run& run, bramah_batch batch);
   static Outcome failure(const System& system, const Group& group, Index instance, int status, const char* why);
-  [[nodiscard]] Outcome check_finite(const System& system, const Request& request) const;
+  [[nodiscard]] Outcome check_finite(const System& system, const Request& request, const char* prefix) const;
 
   static constexpr Index chunk = 64;  // instances in one call: their records stay in the second-level cache
   std::vector<std::array<Vector, BRAMAH_BLOCKS>> partials_;
-  Vector lx_, lv_, la_, lz_, lzdot_, lu_, llambda_;  // local inputs of one chunk
-  Vector lf_, lg_, lc_, lr_, ls_, ly_;               // local rows of one chunk
+  Inputs in_, along_;                   // along_: the direction that in_ moves in
+  Vector lf_, lg_, lc_, lr_, ls_, ly_;  // local rows of one chunk
+  Vector d_;                            // block R_V of one chunk, beside its derivative
 };
 
 /// One term of a consumer's matrix: a block, times a weight, at mapped rows and columns.

@@ -19,7 +19,7 @@ bool fits(const bramah_port_info& port, const bramah_terminal_info& terminal) {
 bool fits_unit(const bramah_port_info& port, const bramah_terminal_info& terminal, const Draft& other) {
   if (port.slots != 1 || port.unit[0] == '\0') return true;
   const std::string offered =
-      other.texts.empty() && terminal.unit[0] == '@' ? "" : parameter_unit(*other.type, terminal.unit, other);
+      other.texts.empty() && terminal.unit[0] == '@' ? "" : parameter_unit(*other.type, terminal.unit, other.texts);
   if (offered.empty()) return true;
   const std::optional<Unit> a = parse_unit(port.unit), b = parse_unit(offered);
   return a && b && a->same_dimension(*b);
@@ -187,7 +187,7 @@ Index Compiler::resolve(const Draft& draft, const bramah_port_info& port, const 
 void Compiler::check_units(const bramah_port_info& port, const bramah_terminal_info& terminal, const Draft& other,
                            const std::string& where) {
   if (fits_unit(port, terminal, other) || (!other.sound && terminal.unit[0] == '@')) return;
-  const std::string offered = parameter_unit(*other.type, terminal.unit, other);
+  const std::string offered = parameter_unit(*other.type, terminal.unit, other.texts);
   faults_.add("wrong-unit", where,
               named(where) + " is \"" + other.name + "." + terminal.name + "\", " +
                   (offered == "1" ? "which has no unit" : "in " + offered),

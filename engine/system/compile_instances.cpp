@@ -1,5 +1,6 @@
 // Sound components become instances; their variables and rows get numbers, and the variables start values.
 #include <algorithm>
+#include <functional>
 #include <map>
 
 #include "system/compiler.hpp"
@@ -21,21 +22,25 @@ void Compiler::make_instances() {
   for (std::size_t k = 0; k < drafts_.size(); ++k) {
     Draft& draft = drafts_[k];
     if (!draft.sound) {
-      system().components.push_back({draft.name, draft.type, -1, -1});
+      Component& component = system().components.emplace_back();
+      component.name = draft.name;
+      component.type = draft.type;
+      component.group = component.position = -1;
       continue;
     }
     draft.group = group_of[draft.type];
     Group& group = system().groups[static_cast<std::size_t>(draft.group)];
     draft.position = static_cast<Index>(group.component.size());
     group.component.push_back(static_cast<Index>(k));
-    system().components.push_back({draft.name, draft.type, draft.group, draft.position});
-    std::vector<bramah_value> values;
-    for (std::size_t i = 0; i < draft.numbers.size(); ++i) {
-      values.push_back({sizeof(bramah_value), draft.numbers[i].data(), static_cast<Index>(draft.numbers[i].size()),
-                        draft.texts[i].c_str()});
-    }
+    Component& component = system().components.emplace_back();
+    component.name = draft.name;
+    component.type = draft.type;
+    component.group = draft.group;
+    component.position = draft.position;
+    component.numbers = draft.numbers;
+    component.texts = draft.texts;
     void* instance = group.instances.at(draft.position);
-    if (draft.type->configure(draft.type->self, instance, values.data()) != 0) {
+    if (draft.type->configure(draft.type->self, instance, parameter_values(draft.numbers, draft.texts).data()) != 0) {
       faults_.add("component-broken", draft.where, std::string(draft.type->name) + " could not be configured",
                   "a working component", "this is a fault of its library");
       stop_if_faulty();
@@ -117,7 +122,7 @@ void Compiler::number_variables() {
       draft.input = s.nu();
       std::string unit;
       for (std::int32_t i = 0; i < type.terminal_count; ++i) {
-        if (type.terminals[i].source == BRAMAH_SIGNAL) unit = parameter_unit(type, type.terminals[i].unit, draft);
+        if (type.terminals[i].source == BRAMAH_SIGNAL) unit = parameter_unit(type, type.terminals[i].unit, draft.texts);
       }
       s.inputs.push_back({draft.name, unit, &type, signal, instance, component});
     }
@@ -126,6 +131,20 @@ void Compiler::number_variables() {
     faults_.add("no-variables", "/components", "components without any variable",
                 "at least one body, volume or other owner of variables", "add what moves or stores", true);
   }
+}
+
+void Compiler::keep_origins() {
+  System& s = system();
+  for (std::size_t k = 0; k < drafts_.size(); ++k) {
+    const Draft& draft = drafts_[k];
+    Component& component = s.components[k];
+    component.first_x = draft.first_x;
+    component.first_z = draft.first_z;
+    component.input = draft.input;
+    if (draft.x_constants >= 0) component.x_constants = s.n() + draft.x_constants;
+    if (draft.z_constants >= 0) component.z_constants = s.nz() + s.nu() + draft.z_constants;
+  }
+  s.constants = numbers_.constants();
 }
 
 void Compiler::read_start() {
@@ -138,15 +157,23 @@ void Compiler::read_start() {
     rates.emplace(v.name + ".rate", &v);
   }
   for (Variable& v : s.z) positions.emplace(v.name, &v);
+  const auto start_of = [&](const Variable& v) -> StartRef {
+    const bool second = std::less_equal<>()(s.x.data(), &v) && std::less<>()(&v, s.x.data() + s.x.size());
+    if (second) return {StartRef::Kind::x, &v - s.x.data()};
+    return {StartRef::Kind::z, &v - s.z.data()};
+  };
   for (const Member& member : *start->object()) {
     const std::string where = pointer("/start", member.key);
+    const auto read = [&](const std::string& unit, StartRef what) {
+      return numbers_.read(member.value, where, unit, [&](Constant& c) { c.starts.push_back(what); });
+    };
     if (const auto p = positions.find(member.key); p != positions.end()) {
-      if (const auto number = numbers_.read(member.value, where, p->second->unit)) {
+      if (const auto number = read(p->second->unit, start_of(*p->second))) {
         p->second->start = *number;
         p->second->start_given = true;
       }
     } else if (const auto r = rates.find(member.key); r != rates.end()) {
-      if (const auto number = numbers_.read(member.value, where, rate_unit(r->second->unit))) {
+      if (const auto number = read(rate_unit(r->second->unit), {StartRef::Kind::v, r->second - s.x.data()})) {
         r->second->start_rate = *number;
         r->second->start_rate_given = true;
       }

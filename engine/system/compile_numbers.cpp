@@ -36,7 +36,8 @@ void Numbers::read_constants(const Value* section) {
   if (section == nullptr || section->object() == nullptr) return;
   for (const Member& member : *section->object()) {
     const std::string where = pointer("/constants", member.key);
-    Constant& constant = constants_[member.key];
+    Known& constant = constants_[member.key];
+    constant.name = member.key;
     constant.written = description(member.value);
     if (const double* number = member.value.number()) {
       constant.value = *number;
@@ -101,7 +102,8 @@ std::optional<Unit> Numbers::unit_of(const Quantity& quantity, const std::string
   return std::nullopt;
 }
 
-std::optional<double> Numbers::read(const Value& value, const std::string& where, std::string_view unit_text) {
+std::optional<double> Numbers::read(const Value& value, const std::string& where, std::string_view unit_text,
+                                    const Drives& drives) {
   const std::optional<Unit> wanted = parse_unit(unit_text);
   const std::string shown(unit_text.empty() ? "1" : unit_text);
   if (const double* number = value.number()) return is_finite(*number, where) ? std::optional(*number) : std::nullopt;
@@ -113,7 +115,12 @@ std::optional<double> Numbers::read(const Value& value, const std::string& where
         "write one number");
     return std::nullopt;
   }
-  if (!text->empty() && text->front() == '=') return constant_value(text->substr(1), where, wanted, shown);
+  if (!text->empty() && text->front() == '=') {
+    Known* constant = find_constant(text->substr(1), where, wanted, shown);
+    if (constant == nullptr) return std::nullopt;
+    if (drives) drives(*constant);
+    return constant->value;
+  }
   const std::optional<Quantity> quantity = quantity_of(*text, where, shown);
   if (!quantity) return std::nullopt;
   if (quantity->unit.empty()) return quantity->value;  // "0.3" as text: SI, like a plain number
@@ -130,9 +137,9 @@ std::optional<double> Numbers::read(const Value& value, const std::string& where
   return is_finite(number, where) ? std::optional(number) : std::nullopt;
 }
 
-/// What "=name" stands for.
-std::optional<double> Numbers::constant_value(const std::string& name, const std::string& where,
-                                              const std::optional<Unit>& wanted, const std::string& shown) {
+/// What "=name" stands for; null after a fault.
+Numbers::Known* Numbers::find_constant(const std::string& name, const std::string& where,
+                                       const std::optional<Unit>& wanted, const std::string& shown) {
   const auto constant = constants_.find(name);
   if (constant == constants_.end()) {
     std::vector<std::string> names;
@@ -143,17 +150,23 @@ std::optional<double> Numbers::constant_value(const std::string& name, const std
         "unknown-constant", where, named(where) + " is \"=" + name + "\", and there is no constant \"" + name + '"',
         names.empty() ? "a name from the section \"constants\", which is empty" : "one of: " + quoted_list(names),
         meant.empty() ? "add it to \"constants\"" : "did you mean \"=" + meant + "\"?");
-    return std::nullopt;
+    return nullptr;
   }
   used_.insert(name);
-  if (!constant->second.sound) return std::nullopt;  // reported already
+  if (!constant->second.sound) return nullptr;  // reported already
   if (!constant->second.plain && wanted && !constant->second.unit.same_dimension(*wanted)) {
     faults_.add("wrong-unit", where,
                 named(where) + " is \"=" + name + "\", and that constant is " + constant->second.written,
                 "a quantity in " + shown, "use a constant in one of " + alternatives(*wanted));
-    return std::nullopt;
+    return nullptr;
   }
-  return constant->second.value;
+  return &constant->second;
+}
+
+std::vector<Constant> Numbers::constants() const {
+  std::vector<Constant> list;
+  for (const auto& [name, constant] : constants_) list.push_back(constant);
+  return list;
 }
 
 namespace {

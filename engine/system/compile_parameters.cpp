@@ -23,14 +23,6 @@ int choice_index(const bramah_parameter_info& info, std::string_view word) {
 
 }  // namespace
 
-std::string parameter_unit(const bramah_type& type, const char* unit, const Draft& draft) {
-  if (unit[0] != '@') return unit;
-  for (std::int32_t i = 0; i < type.parameter_count; ++i) {
-    if (std::string_view(type.parameters[i].name) == unit + 1) return draft.texts[static_cast<std::size_t>(i)];
-  }
-  return "";
-}
-
 void Compiler::find_type(Draft& draft) {
   const Value* type = draft.value->find("type");
   if (type == nullptr || type->text() == nullptr) {
@@ -126,7 +118,12 @@ void Compiler::read_parameter(Draft& draft, const bramah_parameter_info& info, s
   const Value* value = draft.value->find(info.name);
   const std::string where = pointer(draft.where, info.name);
   std::vector<double>& numbers = draft.numbers[index];
-  const std::string unit = parameter_unit(*draft.type, info.unit, draft);
+  const auto drives = [&](Index element) {
+    return [this, index, element](Constant& c) {
+      c.parameters.push_back({static_cast<Index>(drafts_.size()), static_cast<std::int32_t>(index), element});
+    };
+  };
+  const std::string unit = parameter_unit(*draft.type, info.unit, draft.texts);
   if (value == nullptr) {
     if (info.required != 0) {
       if (draft.meant.contains(info.name)) return;
@@ -172,7 +169,7 @@ void Compiler::read_parameter(Draft& draft, const bramah_parameter_info& info, s
       return;
     }
     case BRAMAH_NUMBER:
-      if (const auto number = numbers_.read(*value, where, unit)) {
+      if (const auto number = numbers_.read(*value, where, unit, drives(0))) {
         numbers = {*number};
         check_limits(info, *number, unit, where);
       } else {
@@ -196,8 +193,9 @@ void Compiler::read_parameter(Draft& draft, const bramah_parameter_info& info, s
   }
   std::size_t k = 0;
   for (const Value& item : *value->list()) {
+    const Index element = static_cast<Index>(k);
     const std::string here = pointer(where, k++);
-    if (const auto number = numbers_.read(item, here, unit)) {
+    if (const auto number = numbers_.read(item, here, unit, drives(element))) {
       numbers.push_back(*number);
       check_limits(info, *number, unit, here);
     } else {

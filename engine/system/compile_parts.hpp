@@ -1,6 +1,7 @@
 // What the parts of compile share: collecting faults, reading numbers with units.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -45,13 +46,17 @@ class Numbers {
  public:
   explicit Numbers(Faults& faults) : faults_(faults) {}
   void read_constants(const Value* section);
-  /// The SI value of a quantity that must have the dimension of `unit`; a fault and nothing otherwise.
-  std::optional<double> read(const Value& value, const std::string& where, std::string_view unit);
+  /// The SI value of a quantity that must have the dimension of `unit`; a fault and nothing otherwise. `drives` is told
+  /// the constant that the number was read from, if it was.
+  using Drives = std::function<void(Constant&)>;
+  std::optional<double> read(const Value& value, const std::string& where, std::string_view unit,
+                             const Drives& drives = {});
+  /// The constants by name, each with the numbers that it drives.
+  [[nodiscard]] std::vector<Constant> constants() const;
   void report_unused(const Value& root);
 
  private:
-  struct Constant {
-    double value = 0.0;
+  struct Known : Constant {
     Unit unit;
     bool plain = true;  // without a unit: fits every dimension
     bool sound = false;
@@ -61,10 +66,10 @@ class Numbers {
   std::optional<Quantity> quantity_of(const std::string& text, const std::string& where, std::string_view unit);
   std::optional<Unit> unit_of(const Quantity& quantity, const std::string& text, const std::string& where,
                               const Unit* wanted, const std::string& shown);
-  std::optional<double> constant_value(const std::string& name, const std::string& where,
-                                       const std::optional<Unit>& wanted, const std::string& shown);
+  Known* find_constant(const std::string& name, const std::string& where, const std::optional<Unit>& wanted,
+                       const std::string& shown);
   Faults& faults_;
-  std::map<std::string, Constant, std::less<>> constants_;
+  std::map<std::string, Known, std::less<>> constants_;
   std::set<std::string> used_;
 };
 

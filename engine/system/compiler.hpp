@@ -41,9 +41,6 @@ struct Draft {
   Index x_constants = -1, z_constants = -1;  // where they went
 };
 
-/// `unit`, or the text of the parameter that it names by "@".
-std::string parameter_unit(const bramah_type& type, const char* unit, const Draft& draft);
-
 class Compiler {
  public:
   Compiler(const Scene& scene, std::shared_ptr<Registry> registry, std::vector<Diagnostic> earlier)
@@ -88,6 +85,8 @@ class Compiler {
   void drop_without_storage(std::vector<bool>& stored) const;
   /// A coordinate without inertia or constraint and a first-order variable without storage have no equation.
   void check_structure();
+  /// Where the numbers of the scene went: what derivatives with respect to them need.
+  void keep_origins();
 
   const Scene& scene_;
   std::shared_ptr<Registry> registry_;

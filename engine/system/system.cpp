@@ -50,6 +50,24 @@ const std::string& System::component_name(Index component) const {
   return components[static_cast<std::size_t>(component)].name;
 }
 
+std::vector<bramah_value> parameter_values(const std::vector<std::vector<double>>& numbers,
+                                           const std::vector<std::string>& texts) {
+  std::vector<bramah_value> values;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    values.push_back(
+        {sizeof(bramah_value), numbers[i].data(), static_cast<Index>(numbers[i].size()), texts[i].c_str()});
+  }
+  return values;
+}
+
+std::string parameter_unit(const bramah_type& type, const char* unit, const std::vector<std::string>& texts) {
+  if (unit[0] != '@') return unit;
+  for (std::int32_t i = 0; i < type.parameter_count; ++i) {
+    if (std::string_view(type.parameters[i].name) == unit + 1) return texts[static_cast<std::size_t>(i)];
+  }
+  return "";
+}
+
 namespace {
 Index find(const std::vector<Variable>& list, std::string_view name) {
   const auto it = std::find_if(list.begin(), list.end(), [&](const Variable& v) { return v.name == name; });

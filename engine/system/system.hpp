@@ -52,6 +52,34 @@ struct Component {
   std::string name;
   const bramah_type* type = nullptr;
   Index group = 0, position = 0;  // instance `position` of `groups[group]`
+  // Parameters in the order of the type, SI, defaults filled in: what its instance was configured with.
+  std::vector<std::vector<double>> numbers;
+  std::vector<std::string> texts;
+  Index first_x = 0, first_z = 0;            // own variables
+  Index x_constants = -1, z_constants = -1;  // where State has its fixed numbers; -1: nobody reads them
+  Index input = -1;                          // of a signal
+};
+
+/// Element `element` of parameter `parameter` of a component.
+struct ParameterRef {
+  Index component = 0;
+  std::int32_t parameter = 0;
+  Index element = 0;
+};
+
+/// The start value of a coordinate, of its rate, or of a first-order variable.
+struct StartRef {
+  enum class Kind { x, v, z };
+  Kind kind = Kind::x;
+  Index index = 0;
+};
+
+/// A constant of the scene, and the numbers that are written "=name".
+struct Constant {
+  std::string name;
+  double value = 0.0;  // SI
+  std::vector<ParameterRef> parameters;
+  std::vector<StartRef> starts;
 };
 
 /// Memory for the instances of one type, destroyed through the type.
@@ -99,6 +127,7 @@ class System {
   std::vector<InputSignal> inputs;           // (nu)
   std::vector<Row> outputs;                  // outputs of components (ny)
   std::vector<Component> components;
+  std::vector<Constant> constants;
   std::vector<Group> groups;
   Vector x_constants, z_constants;           // what ports without a variable read
   std::shared_ptr<const Registry> registry;  // keeps the libraries' files known for messages
@@ -133,6 +162,12 @@ struct State {
   Vector z, zdot;  // (nz + nu + constants): variables, inputs, constants
   Vector lambda;   // (m + l)
 };
+
+/// Parameters as the border takes them; the result points into both lists.
+std::vector<bramah_value> parameter_values(const std::vector<std::vector<double>>& numbers,
+                                           const std::vector<std::string>& texts);
+/// `unit` of a parameter or terminal of a type, or the text of the parameter that it names by "@".
+std::string parameter_unit(const bramah_type& type, const char* unit, const std::vector<std::string>& texts);
 
 /// The state of the start values at time t, with inputs taken from their signals.
 State initial_state(const System& system, double t = 0.0);

@@ -12,7 +12,7 @@
 
 namespace {
 
-using bramah::Coordinate, bramah::HolonomicRow, bramah::Positions, bramah::Vec3;
+using bramah::Coordinate, bramah::HolonomicRow, bramah::Parameter, bramah::Positions, bramah::Vec3;
 
 // Elemental rotations of a vector.
 template <class T>
@@ -39,19 +39,19 @@ struct FourBar {
   bramah::Gravity gravity;
   Coordinate x_G2, y_G2, z_G2, psi2, theta2, phi2, phi32, phi43, s, alpha;
   HolonomicRow O1_X, O1_Y, O1_Z, v_Y, v_Z, O2_Y, O2_Z, cylinder_Y, cylinder_Z;
-  double L_1 = 10.0, L_2 = 2.0, L_3 = 8.0, L_4 = 5.0, d_1 = 1.0, m_2 = 2.0, m_3 = 8.0, m_4 = 5.0;
+  Parameter L_1 = 10.0, L_2 = 2.0, L_3 = 8.0, L_4 = 5.0, d_1 = 1.0, m_2 = 2.0, m_3 = 8.0, m_4 = 5.0;
 
   void describe(bramah::Description& is) {
     is.called("paper/four_bar", "the four-bar mechanism of Agundez et al. (2023), Sect. 4.1");
     is.port("gravity", gravity, "the field it falls in");
-    is.parameter("L_1", L_1, "m").by_default(L_1).above(0.0).doc("ground link, from O_1 to O_2");
-    is.parameter("L_2", L_2, "m").by_default(L_2).above(0.0).doc("input link, from O_1 to C");
-    is.parameter("L_3", L_3, "m").by_default(L_3).above(0.0).doc("coupler, from C to D");
-    is.parameter("L_4", L_4, "m").by_default(L_4).above(0.0).doc("output link, from D to O_2");
-    is.parameter("d_1", d_1, "m").by_default(d_1).above(0.0).doc("from O_c to O_1");
-    is.parameter("m_2", m_2, "kg").by_default(m_2).above(0.0).doc("mass of the input link");
-    is.parameter("m_3", m_3, "kg").by_default(m_3).above(0.0).doc("mass of the coupler");
-    is.parameter("m_4", m_4, "kg").by_default(m_4).above(0.0).doc("mass of the output link");
+    is.parameter("L_1", L_1, "m").by_default(L_1.value()).above(0.0).doc("ground link, from O_1 to O_2");
+    is.parameter("L_2", L_2, "m").by_default(L_2.value()).above(0.0).doc("input link, from O_1 to C");
+    is.parameter("L_3", L_3, "m").by_default(L_3.value()).above(0.0).doc("coupler, from C to D");
+    is.parameter("L_4", L_4, "m").by_default(L_4.value()).above(0.0).doc("output link, from D to O_2");
+    is.parameter("d_1", d_1, "m").by_default(d_1.value()).above(0.0).doc("from O_c to O_1");
+    is.parameter("m_2", m_2, "kg").by_default(m_2.value()).above(0.0).doc("mass of the input link");
+    is.parameter("m_3", m_3, "kg").by_default(m_3.value()).above(0.0).doc("mass of the coupler");
+    is.parameter("m_4", m_4, "kg").by_default(m_4.value()).above(0.0).doc("mass of the output link");
 
     is.own("x_G2", x_G2, "m", "centre of mass of the input link");
     is.own("y_G2", y_G2, "m", "centre of mass of the input link");
@@ -95,15 +95,15 @@ struct FourBar {
 
   // The point eta (m) of each link, counted from G_2, C and D. Eqs. (68)-(70)
   template <class T>
-  Vec3<T> r2(const Positions<T>& at, double eta) const {
+  Vec3<T> r2(const Positions<T>& at, const Parameter& eta) const {
     return Vec3<T>{at(x_G2), at(y_G2), at(z_G2)} + R2(at, along_Y(T(eta)));
   }
   template <class T>
-  Vec3<T> r3(const Positions<T>& at, double eta) const {
+  Vec3<T> r3(const Positions<T>& at, const Parameter& eta) const {
     return r2(at, 0.5 * L_2) + R3(at, along_Y(T(eta)));
   }
   template <class T>
-  Vec3<T> r4(const Positions<T>& at, double eta) const {
+  Vec3<T> r4(const Positions<T>& at, const Parameter& eta) const {
     return r3(at, L_3) + R4(at, along_Y(T(eta)));
   }
 
@@ -128,17 +128,17 @@ struct FourBar {
   // M(x) xddot - Q of three slender rods that fall freely.
   template <class T>
   void balance(const bramah::At<T>& at, bramah::Rows<T>& rows) const {
-    const auto rod = [&](double mass, double first, double length, const auto& point) {
+    const auto rod = [&](const Parameter& mass, const Parameter& first, const Parameter& length, const auto& point) {
       // Simpson's rule: m/6, 4m/6, m/6 at the ends and the middle have the mass m, the centre of mass and the inertia
       // 2 (m/6) (L/2)^2 = m L^2 / 12 of the rod, about both normals, and none about its axis. Nothing is approximated.
       for (int k = 0; k < 3; ++k) {
-        const double eta = first + 0.5 * k * length, share = k == 1 ? mass * 4.0 / 6.0 : mass / 6.0;
+        const Parameter eta = first + 0.5 * k * length, share = k == 1 ? mass * 4.0 / 6.0 : mass / 6.0;
         bramah::add_particle<10>(at, rows, share, at(gravity), [&](const auto& there) { return point(there, eta); });
       }
     };
-    rod(m_2, -0.5 * L_2, L_2, [&](const auto& there, double eta) { return r2(there, eta); });
-    rod(m_3, 0.0, L_3, [&](const auto& there, double eta) { return r3(there, eta); });
-    rod(m_4, 0.0, L_4, [&](const auto& there, double eta) { return r4(there, eta); });
+    rod(m_2, -0.5 * L_2, L_2, [&](const auto& there, const Parameter& eta) { return r2(there, eta); });
+    rod(m_3, 0.0, L_3, [&](const auto& there, const Parameter& eta) { return r3(there, eta); });
+    rod(m_4, 0.0, L_4, [&](const auto& there, const Parameter& eta) { return r4(there, eta); });
   }
 };
 

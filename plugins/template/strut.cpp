@@ -11,7 +11,7 @@
 struct SpringDamper {
   bramah::Coordinate along;
   bramah::Output force_out;
-  double k = 0.0, c = 0.0, s_0 = 0.0;
+  bramah::Parameter k = 0.0, c = 0.0, s_0 = 0.0;
 
   void describe(bramah::Description& is) {
     is.called("strut/spring_damper", "a linear spring with a damper along a length");

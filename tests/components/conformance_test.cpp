@@ -326,6 +326,46 @@ TEST(ConformanceTest, SeesUnfitSamples) {
   EXPECT_THAT(fault_of<Tuned>({{.parameters = {{"k", 2.0}}, .x = {1.0, 2.0}}}), HasSubstr("2 numbers for family"));
 }
 
+// ---- tangents --------------------------------------------------------------------------------------------------------
+
+/// A parameter whose derivative is lost on the way into a member that the law reads.
+struct Forgetful : OnCoordinate {
+  Parameter k = 0.0;
+  double half = 0.0;
+  void describe(Description& is) {
+    name(is, "test/forgetful");
+    is.parameter("k", k, "N/m").above(0.0).doc("stiffness");
+    half = 0.5 * k.value();
+  }
+  template <class T>
+  void balance(const At<T>& at, Rows<T>& rows) const {
+    rows.apply(q, -k * at(q) - half * square(at(q)));
+  }
+};
+
+/// A start value whose derivative is lost.
+struct Beginner {
+  Coordinate q;
+  Parameter first = 0.0;
+  void describe(Description& is) {
+    is.called("test/beginner", "a start value that follows from a parameter");
+    is.own("q", q, "m", "a coordinate");
+    is.parameter("first", first, "m").doc("start");
+  }
+  void start(Start& start) const { start(q) = square(first.value()); }
+  template <class T>
+  void balance(const At<T>&, Rows<T>& rows) const {
+    rows.inertia(q, 1.0);
+  }
+};
+
+TEST(ConformanceTest, SeesALostTangent) {
+  const std::string fault = fault_of<Forgetful>({{.parameters = {{"k", 2.0}}, .x = {3.0}}});
+  EXPECT_THAT(fault, HasSubstr("sample 1: tangent of force on q along parameter k is"));
+  EXPECT_THAT(fault, HasSubstr("tangent of F_X, d(force on q)/d(q), along parameter k is"));
+  EXPECT_THAT(fault_of<Beginner>({{.parameters = {{"first", 2.0}}}}),
+              HasSubstr("tangent of start value, constant or signal 1 along parameter first is 0; differences give"));
+}
 TEST(ConformanceTest, ShowsItsFaultsInAFailedExpectation) {
   const ::testing::AssertionResult result(conforms<Hoarder>());
   EXPECT_FALSE(result);

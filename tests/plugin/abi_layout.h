@@ -50,6 +50,10 @@ typedef struct layout_entry {
       AT(bramah_library, type_count), SIZE(bramah_constants), AT(bramah_constants, count),                             \
       AT(bramah_constants, values), SIZE(bramah_signal), AT(bramah_signal, value), AT(bramah_signal, next_breakpoint), \
       SIZE(bramah_switches), AT(bramah_switches, count), AT(bramah_switches, info), AT(bramah_switches, nominal),      \
-      AT(bramah_switches, values)
+      AT(bramah_switches, values), SIZE(bramah_direction), AT(bramah_direction, x), AT(bramah_direction, v),           \
+      AT(bramah_direction, a), AT(bramah_direction, z), AT(bramah_direction, zdot), AT(bramah_direction, u),           \
+      AT(bramah_direction, lambda), SIZE(bramah_tangent), AT(bramah_tangent, differentiable),                          \
+      AT(bramah_tangent, configure), AT(bramah_tangent, evaluate), AT(bramah_tangent, start),                          \
+      AT(bramah_tangent, constants), AT(bramah_tangent, signal)
 
 #endif

@@ -146,6 +146,22 @@ constexpr layout_entry frozen[] = {
     {"bramah_switches.info", 16},
     {"bramah_switches.nominal", 24},
     {"bramah_switches.values", 32},
+    // Minor 1.
+    {"bramah_direction", 64},
+    {"bramah_direction.x", 8},
+    {"bramah_direction.v", 16},
+    {"bramah_direction.a", 24},
+    {"bramah_direction.z", 32},
+    {"bramah_direction.zdot", 40},
+    {"bramah_direction.u", 48},
+    {"bramah_direction.lambda", 56},
+    {"bramah_tangent", 56},
+    {"bramah_tangent.differentiable", 8},
+    {"bramah_tangent.configure", 16},
+    {"bramah_tangent.evaluate", 24},
+    {"bramah_tangent.start", 32},
+    {"bramah_tangent.constants", 40},
+    {"bramah_tangent.signal", 48},
 };
 
 TEST(Abi, LayoutIsFrozen) {
@@ -180,6 +196,8 @@ TEST(Abi, StructsBeginWithTheirSize) {
   EXPECT_EQ(offsetof(bramah_constants, size), 0U);
   EXPECT_EQ(offsetof(bramah_signal, size), 0U);
   EXPECT_EQ(offsetof(bramah_switches, size), 0U);
+  EXPECT_EQ(offsetof(bramah_direction, size), 0U);
+  EXPECT_EQ(offsetof(bramah_tangent, size), 0U);
 }
 
 TEST(Abi, StructsArePlainData) {
@@ -190,11 +208,12 @@ TEST(Abi, StructsArePlainData) {
 
 TEST(Abi, NumbersAreFrozen) {
   EXPECT_EQ(BRAMAH_ABI_EPOCH, 1);
-  EXPECT_EQ(BRAMAH_ABI_MINOR, 0);
+  EXPECT_EQ(BRAMAH_ABI_MINOR, 1);
   EXPECT_STREQ(BRAMAH_ENTRY_POINT, "bramah_library_v1");
   EXPECT_STREQ(BRAMAH_EXTENSION_CONSTANTS, "bramah.constants/1");
   EXPECT_STREQ(BRAMAH_EXTENSION_SIGNAL, "bramah.signal/1");
   EXPECT_STREQ(BRAMAH_EXTENSION_SWITCHES, "bramah.switches/1");
+  EXPECT_STREQ(BRAMAH_EXTENSION_TANGENT, "bramah.tangent/1");
   const std::array<int, 3> families = {BRAMAH_X, BRAMAH_Z, BRAMAH_U};
   const std::array<int, 5> kinds = {BRAMAH_NUMBER, BRAMAH_VECTOR, BRAMAH_LIST, BRAMAH_CHOICE, BRAMAH_TEXT};
   const std::array<int, 3> sources = {BRAMAH_OWN, BRAMAH_CONSTANT, BRAMAH_SIGNAL};

@@ -44,6 +44,19 @@ void expect_function(const Function& function, double at, const Derivatives& d) 
   near(mixed.c[1].value(), d.df, "rate on a series of duals");
   near(mixed.c[1].derivative(1), d.ddf, "second derivative");
 
+  near(value(function(Real(at))), d.f, "value on a real");
+
+  // The derivative by eps of value and derivative, where the argument itself is eps.
+  const Epsilon<Dual<4>> e = function(Epsilon<Dual<4>>(Dual<4>::seed(at, 1), Dual<4>(1.0)));
+  near(e.v.value(), d.f, "value on an epsilon");
+  near(e.v.derivative(1), d.df, "derivative on an epsilon");
+  near(e.d.value(), d.df, "derivative by eps");
+  near(e.d.derivative(1), d.ddf, "derivative by eps of the derivative");
+
+  const Parameter p = function(Parameter(at, 0.7));
+  near(p.value(), d.f, "value of a parameter");
+  near(p.tangent(), 0.7 * d.df, "tangent of a parameter");
+
   Trace::compared() = false;
   const Trace t = function(Trace::seed(at, 0));
   near(t.number(), d.f, "number on a trace");

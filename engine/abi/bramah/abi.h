@@ -33,7 +33,7 @@ extern "C" {
 #endif
 
 #define BRAMAH_ABI_EPOCH 1 /* changes break; the exported name carries it */
-#define BRAMAH_ABI_MINOR 0 /* additions at the end of structs and new extensions */
+#define BRAMAH_ABI_MINOR 1 /* additions at the end of structs and new extensions */
 
 enum bramah_family { BRAMAH_X = 0, BRAMAH_Z = 1, BRAMAH_U = 2 };
 
@@ -228,6 +228,31 @@ typedef struct bramah_switches {
   /* Reads time, x, v, z, u of the batch and writes count numbers per instance. */
   int (*values)(const void* self, const bramah_batch* batch, double* values);
 } bramah_switches;
+
+#define BRAMAH_EXTENSION_TANGENT "bramah.tangent/1"
+/* Which way the inputs of a batch move with eps: records as in bramah_batch, null for those that stay. */
+typedef struct bramah_direction {
+  size_t size;
+  const double *x, *v, *a, *z, *zdot, *u, *lambda;
+} bramah_direction;
+
+/* Exact derivatives by eps, where inputs move along a direction and the parameters of an instance along another:
+ *   d/deps row(y + eps dy, p + eps dp),  d/deps partial(y + eps dy, p + eps dp)   at eps = 0
+ * Parameters move in instances that the `configure` below has made; instances of bramah_type.configure stand still. */
+typedef struct bramah_tangent {
+  size_t size;
+  const uint8_t* differentiable; /* one byte per parameter, 1: dp may be nonzero */
+  /* As bramah_type.configure, for an instance whose parameters move: `tangents` has dp, laid out like `values`, null
+   * numbers for a parameter that stays. The instance serves every other function as well, and is destroyed alike. */
+  int (*configure)(const void* self, void* memory, const bramah_value* values, const bramah_value* tangents);
+  /* As bramah_type.evaluate, with derivatives by eps in place of all rows and partials; same patterns, same status. */
+  int (*evaluate)(const void* self, bramah_batch* batch, const bramah_direction* direction);
+  /* Derivatives of what `start`, bramah_constants and bramah_signal give; null where the type has none of these. x, v and
+   * z are preset to zero. */
+  void (*start)(const void* self, const void* instance, double* x, double* v, double* z);
+  void (*constants)(const void* self, const void* instance, double* values);
+  double (*signal)(const void* self, const void* instance, double t, int32_t side);
+} bramah_tangent;
 
 #ifdef __cplusplus
 }

@@ -24,14 +24,24 @@ class Positions {
     return {x_[f.slot + 3], x_[f.slot + 4], x_[f.slot + 5], x_[f.slot + 6]};
   }
   /// The point r of the body (body axes, m) in the ground frame.
-  [[nodiscard]] Vec3<T> point(Frame f, const Vec3<double>& r) const { return position(f) + direction(f, r); }
+  template <class S = double>
+  [[nodiscard]] Vec3<T> point(Frame f, const Vec3<S>& r) const {
+    return position(f) + direction(f, r);
+  }
   /// The direction d of the body in the ground frame.
-  [[nodiscard]] Vec3<T> direction(Frame f, const Vec3<double>& d) const { return rotate(orientation(f), d); }
+  template <class S = double>
+  [[nodiscard]] Vec3<T> direction(Frame f, const Vec3<S>& d) const {
+    return rotate(orientation(f), d);
+  }
 
   [[nodiscard]] const T& angle(PlanarFrame f) const { return x_[f.slot + 2]; }
   [[nodiscard]] Vec2<T> position(PlanarFrame f) const { return {x_[f.slot], x_[f.slot + 1]}; }
-  [[nodiscard]] Vec2<T> point(PlanarFrame f, const Vec2<double>& r) const { return position(f) + direction(f, r); }
-  [[nodiscard]] Vec2<T> direction(PlanarFrame f, const Vec2<double>& d) const {
+  template <class S = double>
+  [[nodiscard]] Vec2<T> point(PlanarFrame f, const Vec2<S>& r) const {
+    return position(f) + direction(f, r);
+  }
+  template <class S = double>
+  [[nodiscard]] Vec2<T> direction(PlanarFrame f, const Vec2<S>& d) const {
     const T c = cos(angle(f)), s = sin(angle(f));
     return {c * d[0] - s * d[1], s * d[0] + c * d[1]};
   }
@@ -56,7 +66,8 @@ class Motion : public Positions<T> {
   [[nodiscard]] const T& rate(Coordinate q) const { return v_[q.slot]; }
   [[nodiscard]] const T& rate_of_angle(PlanarFrame f) const { return v_[f.slot + 2]; }
   [[nodiscard]] Vec2<T> velocity(PlanarFrame f) const { return {v_[f.slot], v_[f.slot + 1]}; }
-  [[nodiscard]] Vec2<T> velocity(PlanarFrame f, const Vec2<double>& r) const {
+  template <class S = double>
+  [[nodiscard]] Vec2<T> velocity(PlanarFrame f, const Vec2<S>& r) const {
     const Vec2<T> d = this->direction(f, r);
     const T& w = rate_of_angle(f);
     return {v_[f.slot] - w * d[1], v_[f.slot + 1] + w * d[0]};
@@ -66,7 +77,8 @@ class Motion : public Positions<T> {
     return {v_[f.slot + 3], v_[f.slot + 4], v_[f.slot + 5], v_[f.slot + 6]};
   }
   /// Velocity of the point r of the body in the ground frame: rdot + d(A(e) r)/de edot.
-  [[nodiscard]] Vec3<T> velocity(Frame f, const Vec3<double>& r) const {
+  template <class S = double>
+  [[nodiscard]] Vec3<T> velocity(Frame f, const Vec3<S>& r) const {
     // A(e) r is quadratic in e, so its rate is the difference of the form at e + edot and e - edot over two.
     const Quaternion<T> e = this->orientation(f), q = orientation_rate(f);
     const Vec3<T> forward = rotate(e + q, r), backward = rotate(e - q, r);

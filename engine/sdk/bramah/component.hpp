@@ -8,7 +8,7 @@
 //   template <class T> void switches(const bramah::At<T>&, bramah::Values<T>&) const;          kinks of the law
 //   void check(bramah::Faults&) const;                                                         limits across parameters
 //   void start(bramah::Start&) const;                                                          start values
-//   void constants(double*) const;  double signal(double t, int side) const;  double next_breakpoint(double t) const;
+//   void constants(Parameter*) const;  Parameter signal(double t, int side) const;  double next_breakpoint(double) const;
 // and a library is BRAMAH_LIBRARY("name", "1.0.0", Component, Component, ...).
 #pragma once
 

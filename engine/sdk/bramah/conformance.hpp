@@ -8,6 +8,8 @@
 //   partials     every block against differences of the rows; outside the traced pattern exactly no dependence
 //   series       cdot and rdot against differences along the path x + v t + a t^2/2; s_a = r_v; S_V = 2 R_X (holonomic)
 //   multipliers  L_X against differences of D^T lambda
+//   tangents     of rows and partials along the state, and by every parameter that is a Parameter, against differences;
+//                the same of start values, constants and signals
 //   structure    f_a symmetric; b linear in v
 //   evaluate     writes all it is asked for and no more; bit for bit repeatable, alone or in a batch; the same to 1e-12
 //                whatever else is asked for; allocates nothing (where the program defines bramah_allocation_count)
@@ -297,14 +299,16 @@ class Examination {
     examine_paths(base);
     examine_identities(base);
     examine_repeatability(base);
+    examine_tangents(base);
   }
 
   bool make_instances() {
     forget();
     const std::size_t before = faults_.size();
     const auto count = static_cast<std::size_t>(type_.parameter_count);
-    std::vector<Setting> settings;
+    std::vector<Setting>& settings = settings_;
     std::map<std::string, Setting> given = sample_->parameters;
+    settings.clear();
     settings.reserve(count);
     for (std::size_t k = 0; k < count; ++k) {
       const bramah_parameter_info& p = type_.parameters[k];
@@ -324,12 +328,7 @@ class Examination {
     for (const auto& [name, setting] : given) fault("the sample gives '", name, "', which is no parameter");
     if (faults_.size() > before) return false;
 
-    std::vector<bramah_value> values;
-    values.reserve(settings.size());
-    for (const Setting& s : settings) {
-      values.push_back(
-          {sizeof(bramah_value), s.numbers.data(), static_cast<std::int64_t>(s.numbers.size()), s.text.c_str()});
-    }
+    const std::vector<bramah_value> values = as_values(settings);
     memory_ =
         static_cast<std::byte*>(::operator new(copies* type_.instance_bytes, std::align_val_t(type_.instance_align)));
     for (; made_ < copies; ++made_) {
@@ -347,6 +346,15 @@ class Examination {
       type_.check(type_.self, memory_, report, this);
     }
     return faults_.size() == before;
+  }
+  static std::vector<bramah_value> as_values(const std::vector<Setting>& settings) {
+    std::vector<bramah_value> values;
+    values.reserve(settings.size());
+    for (const Setting& s : settings) {
+      values.push_back(
+          {sizeof(bramah_value), s.numbers.data(), static_cast<std::int64_t>(s.numbers.size()), s.text.c_str()});
+    }
+    return values;
   }
   void settle(const bramah_parameter_info& p, Setting& s) {
     if (p.kind == BRAMAH_CHOICE && !s.text.empty()) {
@@ -467,6 +475,11 @@ class Examination {
 
   [[nodiscard]] Evaluation evaluate(const std::vector<LocalState>& states, const Wanted& wanted,
                                     bool values = true) const {
+    return evaluate_instances(memory_, states, wanted, values, nullptr);
+  }
+  /// Where `along` is given: the derivatives along it.
+  [[nodiscard]] Evaluation evaluate_instances(const void* instances, const std::vector<LocalState>& states,
+                                              const Wanted& wanted, bool values, const bramah_direction* along) const {
     constexpr double guard = 0x1.23456789abcdep+77;  // behind every buffer, so that writing too much shows
     const double nothing = std::numeric_limits<double>::quiet_NaN();
     const std::size_t count = states.size();
@@ -484,7 +497,7 @@ class Examination {
     bramah_batch b{};
     b.size = sizeof b;
     b.count = static_cast<std::int64_t>(count);
-    b.instances = memory_;
+    b.instances = instances;
     b.time = states[0].time;
     b.side = sample_->side;
     b.x = in[X].data(), b.v = in[V].data(), b.a = in[A].data(), b.z = in[Z].data();
@@ -502,7 +515,8 @@ class Examination {
       if (wanted[k]) b.partials[k] = buffer(e.partials[k], count * static_cast<std::size_t>(patterns_[k].count));
     }
     const std::size_t before = allocations();
-    e.status = type_.evaluate(type_.self, &b);
+    e.status = along == nullptr ? type_.evaluate(type_.self, &b)
+                                : extension<bramah_tangent>(BRAMAH_EXTENSION_TANGENT)->evaluate(type_.self, &b, along);
     e.allocations = allocations() - before;
     e.message = b.message;
 
@@ -590,17 +604,24 @@ class Examination {
   /// extrapolated once, or one-sided ones, extrapolated twice, where a kink is in the way. Both are of third order or
   /// better, so that a smooth law meets 1e-6 at some step between truncation and rounding; a wrong partial meets it at
   /// none.
-  using Slopes = std::vector<std::array<std::vector<double>, groups>>;
+  static constexpr std::size_t lists = groups + std::size_t{BRAMAH_BLOCKS};
+  using Slopes = std::vector<std::array<std::vector<double>, lists>>;  // rows, then partials
   template <class Path>
   [[nodiscard]] Slopes slopes(const Evaluation& base, const Path& path) const {
+    return differences(base, [&](double t, double& moved) { return evaluate({path(t, moved)}, only(BRAMAH_R_V)); });
+  }
+  static const std::vector<double>& part(const Evaluation& e, std::size_t g) {
+    return g < groups ? e.rows[g] : e.partials[g - groups];
+  }
+  template <class Look>
+  [[nodiscard]] static Slopes differences(const Evaluation& base, const Look& look) {
     static constexpr double steps[] = {3e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
     Slopes found;
-    const auto look = [&](double t, double& moved) { return evaluate({path(t, moved)}, only(BRAMAH_R_V)); };
-    const auto combine = [&](const auto& formula) {
+    const auto combine = [&](const Evaluation& one, const auto& formula) {
       auto& all = found.emplace_back();
-      for (std::size_t g = 0; g < groups; ++g) {
-        all[g].resize(row_count(g));
-        for (std::size_t i = 0; i < row_count(g); ++i) all[g][i] = formula(g, i);
+      for (std::size_t g = 0; g < lists; ++g) {
+        all[g].resize(part(one, g).size());
+        for (std::size_t i = 0; i < all[g].size(); ++i) all[g][i] = formula(g, i);
       }
     };
     for (const double h : steps) {
@@ -608,9 +629,9 @@ class Examination {
       const Evaluation p = look(h, plus), m = look(-h, minus);
       if (p.branch == base.branch && m.branch == base.branch) {
         const Evaluation hp = look(0.5 * h, half_plus), hm = look(-0.5 * h, half_minus);
-        combine([&](std::size_t g, std::size_t i) {
-          const double wide = (p.rows[g][i] - m.rows[g][i]) / (plus - minus);
-          const double narrow = (hp.rows[g][i] - hm.rows[g][i]) / (half_plus - half_minus);
+        combine(p, [&](std::size_t g, std::size_t i) {
+          const double wide = (part(p, g)[i] - part(m, g)[i]) / (plus - minus);
+          const double narrow = (part(hp, g)[i] - part(hm, g)[i]) / (half_plus - half_minus);
           return (4.0 * narrow - wide) / 3.0;
         });
         continue;
@@ -620,10 +641,10 @@ class Examination {
         const double side = whole == &p ? 1.0 : -1.0, full = whole == &p ? plus : minus;
         double half = 0.0, quarter = 0.0;
         const Evaluation h2 = look(0.5 * side * h, half), h4 = look(0.25 * side * h, quarter);
-        combine([&](std::size_t g, std::size_t i) {
-          const double at = base.rows[g][i];
-          return ((whole->rows[g][i] - at) / full - 6.0 * (h2.rows[g][i] - at) / half +
-                  8.0 * (h4.rows[g][i] - at) / quarter) /
+        combine(*whole, [&](std::size_t g, std::size_t i) {
+          const double at = part(base, g)[i];
+          return ((part(*whole, g)[i] - at) / full - 6.0 * (part(h2, g)[i] - at) / half +
+                  8.0 * (part(h4, g)[i] - at) / quarter) /
                  3.0;
         });
         break;
@@ -807,6 +828,195 @@ class Examination {
     }
   }
 
+  // ---- derivatives along a direction -------------------------------------------------------------------------------
+  /// What moves with eps, and how fast; parameters that stand still have no numbers.
+  struct Move {
+    std::string name;
+    std::vector<double> state[families];
+    std::vector<Setting> parameters;
+  };
+  /// An instance with numbers of its own.
+  class Instance {
+   public:
+    explicit Instance(const bramah_type& type)
+        : type_(type),
+          memory_(static_cast<std::byte*>(::operator new(type.instance_bytes, std::align_val_t(type.instance_align)))) {
+    }
+    ~Instance() {
+      if (made_ && type_.destroy != nullptr) type_.destroy(type_.self, memory_);
+      ::operator delete(memory_, std::align_val_t(type_.instance_align));
+    }
+    Instance(const Instance&) = delete;
+    Instance& operator=(const Instance&) = delete;
+    /// `tangents` may be null: the numbers stand still.
+    bool configure(const std::vector<Setting>& numbers, const std::vector<Setting>* tangents,
+                   const bramah_tangent& by) {
+      const std::vector<bramah_value> values = as_values(numbers);
+      std::vector<bramah_value> moves;
+      if (tangents != nullptr) moves = as_values(*tangents);
+      for (bramah_value& m : moves) m.numbers = m.count == 0 ? nullptr : m.numbers;
+      made_ = (tangents == nullptr ? type_.configure(type_.self, memory_, values.data())
+                                   : by.configure(type_.self, memory_, values.data(), moves.data())) == 0;
+      return made_;
+    }
+    [[nodiscard]] const std::byte* at() const { return memory_; }
+
+   private:
+    const bramah_type& type_;
+    std::byte* memory_;
+    bool made_ = false;
+  };
+
+  void examine_tangents(const Evaluation& base) {
+    const auto* tangent = extension<bramah_tangent>(BRAMAH_EXTENSION_TANGENT);
+    if (tangent == nullptr) return;
+    const std::vector<Setting> still(settings_.size(), Setting(std::vector<double>{}));
+    Move along{"the state", {}, still};
+    // Where several kinks meet, most directions leave the branch on either side.
+    bool stays = false;
+    for (std::size_t salt = 13; salt < 29 && !stays; ++salt) {
+      for (std::size_t f = 0; f < families; ++f) {
+        along.state[f].resize(size(f));
+        for (std::size_t j = 0; j < size(f); ++j) along.state[f][j] = scale_[f][j] * scatter(salt, f, j);
+      }
+      stays = examine_move(*tangent, along, base);
+    }
+    if (!stays) fault("every direction of the state crosses a kink");
+    for (auto& list : along.state) std::fill(list.begin(), list.end(), 0.0);
+    for (std::size_t k = 0; k < settings_.size(); ++k) {
+      if (tangent->differentiable[k] == 0) continue;
+      along.name = std::string("parameter ") + type_.parameters[k].name;
+      along.parameters = still;
+      for (std::size_t e = 0; e < settings_[k].numbers.size(); ++e) {
+        const double number = std::fabs(settings_[k].numbers[e]);
+        along.parameters[k].numbers.push_back((number == 0.0 ? 1.0 : number) * scatter(17, k, e));
+      }
+      if (!examine_move(*tangent, along, base)) fault("every step of ", along.name, " crosses a kink");
+    }
+  }
+  /// False where no step of the move stays on the branch of `base`.
+  bool examine_move(const bramah_tangent& tangent, const Move& move, const Evaluation& base) {
+    Instance moving(type_);
+    if (!moving.configure(settings_, &move.parameters, tangent)) {
+      fault("configure with tangents failed");
+      return true;
+    }
+    const bramah_direction along{sizeof(bramah_direction), move.state[X].data(),     move.state[V].data(),
+                                 move.state[A].data(),     move.state[Z].data(),     move.state[ZDOT].data(),
+                                 move.state[U].data(),     move.state[LAMBDA].data()};
+    const Evaluation exact = evaluate_instances(moving.at(), {state_}, all_blocks(), true, &along);
+    if (exact.status != 0) {
+      fault("evaluate of tangents returned ", exact.status, ": ", exact.message);
+      return true;
+    }
+    if (exact.overrun) fault("evaluate of tangents wrote behind the end of a record");
+    if (exact.allocations > 0) fault("evaluate of tangents allocated ", exact.allocations, " times");
+    const Slopes found = differences(base, [&](double t, double& moved) {
+      moved = t;
+      LocalState s = state_;
+      for (std::size_t f = 0; f < families; ++f) {
+        for (std::size_t j = 0; j < size(f); ++j) s.values[f][j] += t * move.state[f][j];
+      }
+      Instance there(type_);
+      there.configure(settings_at(move, t), nullptr, tangent);
+      return evaluate_instances(there.at(), {s}, all_blocks(), true, nullptr);
+    });
+    if (found.empty()) return false;
+    compare_tangents(exact, found, move);
+    examine_fixed_tangents(tangent, moving, move);
+    return true;
+  }
+  [[nodiscard]] std::vector<Setting> settings_at(const Move& move, double t) const {
+    std::vector<Setting> there = settings_;
+    for (std::size_t k = 0; k < there.size(); ++k) {
+      for (std::size_t e = 0; e < move.parameters[k].numbers.size(); ++e)
+        there[k].numbers[e] += t * move.parameters[k].numbers[e];
+    }
+    return there;
+  }
+  /// Directions have the size of what they move, so a tangent is of the size of its row, or of its column's share.
+  void compare_tangents(const Evaluation& exact, const Slopes& found, const Move& move) {
+    for (std::size_t g = F; g <= Y; ++g) {
+      for (std::size_t i = 0; i < row_count(g); ++i) {
+        const double here = exact.rows[g][i], by_differences = nearest(found, g, i, here);
+        // Where a law is even, its slope is zero but for rounding of the second-order terms.
+        const double allowed = 1e-6 * (row_scale_[g][i] + std::fabs(here)) + 1e-12 * second_order(exact, Group(g), i);
+        if (std::fabs(by_differences - here) <= allowed) continue;
+        fault("tangent of ", row_name(Group(g), i), " along ", move.name, " is ", here, "; differences give ",
+              by_differences);
+      }
+    }
+    for (std::size_t b = 0; b < BRAMAH_BLOCKS; ++b) {
+      const BlockInfo& info = block_info[b];
+      for (std::size_t j = 0; j < size(info.columns); ++j) {
+        for (auto n = static_cast<std::size_t>(starts_[b][j]); n < static_cast<std::size_t>(starts_[b][j + 1]); ++n) {
+          const auto i = static_cast<std::size_t>(entries_[b][n]);
+          const double here = exact.partials[b][n], by_differences = nearest(found, groups + b, n, here);
+          const double usual = row_scale_[info.rows][i] / scale_[info.columns][j];
+          if (std::fabs(by_differences - here) <= 1e-6 * (usual + std::fabs(here))) continue;
+          fault("tangent of ", info.name, ", d(", row_name(info.rows, i), ")/d(", column_name(info.columns, j),
+                "), along ", move.name, " is ", here, "; differences give ", by_differences);
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] double second_order(const Evaluation& exact, Group g, std::size_t i) const {
+    double sum = 0.0;
+    for (std::size_t b = 0; b < BRAMAH_BLOCKS; ++b) {
+      for (std::size_t j = 0; block_info[b].rows == g && j < size(block_info[b].columns); ++j) {
+        for (auto n = static_cast<std::size_t>(starts_[b][j]); n < static_cast<std::size_t>(starts_[b][j + 1]); ++n) {
+          if (static_cast<std::size_t>(entries_[b][n]) == i)
+            sum += std::fabs(exact.partials[b][n]) * scale_[block_info[b].columns][j];
+        }
+      }
+    }
+    return sum;
+  }
+
+  /// Start values, constants and the signal of an instance, or their tangents.
+  [[nodiscard]] std::vector<double> fixed_values(const void* instance, const bramah_tangent* by) const {
+    std::vector<double> x, v, z;
+    for (std::int32_t k = 0; k < type_.variable_count; ++k) {
+      const bool second = type_.variables[k].family == BRAMAH_X;
+      (second ? x : z).push_back(by == nullptr ? type_.variables[k].start : 0.0);
+      if (second) v.push_back(0.0);
+    }
+    const auto start = by == nullptr ? type_.start : by->start;
+    if (start != nullptr) start(type_.self, instance, x.data(), v.data(), z.data());
+    std::vector<double> all = x;
+    all.insert(all.end(), v.begin(), v.end());
+    all.insert(all.end(), z.begin(), z.end());
+    if (const auto* constants = extension<bramah_constants>(BRAMAH_EXTENSION_CONSTANTS)) {
+      std::vector<double> list(static_cast<std::size_t>(constants->count), 0.0);
+      (by == nullptr ? constants->values : by->constants)(type_.self, instance, list.data());
+      all.insert(all.end(), list.begin(), list.end());
+    }
+    if (const auto* signal = extension<bramah_signal>(BRAMAH_EXTENSION_SIGNAL)) {
+      for (const double t : {-1.0, 0.0, 0.3, sample_->time, 2.0, 1e3})
+        all.push_back((by == nullptr ? signal->value : by->signal)(type_.self, instance, t, sample_->side));
+    }
+    return all;
+  }
+  void examine_fixed_tangents(const bramah_tangent& tangent, const Instance& moving, const Move& move) {
+    const std::vector<double> base = fixed_values(memory_, nullptr), exact = fixed_values(moving.at(), &tangent);
+    const auto look = [&](double t) {
+      Instance there(type_);
+      there.configure(settings_at(move, t), nullptr, tangent);
+      return fixed_values(there.at(), nullptr);
+    };
+    constexpr double h = 1e-3;
+    const std::vector<double> p = look(h), m = look(-h), hp = look(0.5 * h), hm = look(-0.5 * h);
+    for (std::size_t k = 0; k < base.size(); ++k) {
+      const double by_differences = (8.0 * (hp[k] - hm[k]) - (p[k] - m[k])) / (6.0 * h);
+      // Rounding of values over the step, and what the extrapolation leaves out: h^4.
+      const double allowed = 1e-9 * std::fabs(exact[k]) + 1e-11 * std::max(1.0, std::fabs(base[k]));
+      if (std::fabs(by_differences - exact[k]) <= allowed) continue;
+      fault("tangent of start value, constant or signal ", k + 1, " along ", move.name, " is ", exact[k],
+            "; differences give ", by_differences);
+    }
+  }
+
   // ---- what does not depend on the state ---------------------------------------------------------------------------
   void examine_fixed_values() {
     if (type_.start != nullptr) {
@@ -856,6 +1066,7 @@ class Examination {
   }
 
   static constexpr std::size_t copies = 3;
+  std::vector<Setting> settings_;
   const bramah_type& type_;
   const Sample* sample_ = nullptr;
   std::string where_;

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
+#include <cstdint>
 #include <deque>
 #include <initializer_list>
 #include <string>
@@ -19,6 +21,7 @@ namespace bramah {
 struct TypeTables {
   std::string name, doc;
   std::vector<bramah_parameter_info> parameters;
+  std::vector<std::uint8_t> differentiable;  // per parameter, 1: kept in a Parameter
   std::vector<bramah_port_info> ports;
   std::vector<bramah_variable_info> variables;
   std::vector<bramah_terminal_info> terminals;
@@ -132,6 +135,9 @@ constexpr int family_of() {
     return BRAMAH_X;
   }
 }
+/// What a member that takes numbers of the scene is made of.
+template <class N>
+concept ParameterNumber = std::same_as<N, double> || std::same_as<N, Parameter>;
 }  // namespace detail
 
 class Description {
@@ -139,7 +145,9 @@ class Description {
   /// Collecting: fills `tables`, ties no handle.
   explicit Description(TypeTables& tables) : collecting_(&tables), tables_(tables) {}
   /// Configuring: ties the handles of one instance and gives its parameters their values (in the order of `tables`).
-  Description(const TypeTables& tables, const bramah_value* values) : tables_(tables), values_(values) {}
+  /// `tangents` are the derivatives of these values, or null: all zero.
+  Description(const TypeTables& tables, const bramah_value* values, const bramah_value* tangents = nullptr)
+      : tables_(tables), values_(values), tangents_(tangents) {}
 
   void called(const char* name, const char* doc) {
     if (collecting_ == nullptr) return;
@@ -210,29 +218,36 @@ class Description {
     terminal(name, doc, H::kind, unit, detail::family_of<H>(), 1, BRAMAH_SIGNAL, 0);
   }
 
-  ParameterDescription parameter(const char* name, double& number, const char* unit) {
-    if (const bramah_value* v = next_value()) number = v->numbers[0];
-    return parameter_info(name, unit, BRAMAH_NUMBER, 1);
+  /// A number of the scene. Derivatives with respect to it are exact if it is kept in a Parameter; a double is a number
+  /// that nothing is differentiated by. The same holds for vectors and lists.
+  template <detail::ParameterNumber P>
+  ParameterDescription parameter(const char* name, P& number, const char* unit) {
+    if (const Given given = next_value(); given.value != nullptr) number = given.number<P>(0);
+    return parameter_info(name, unit, BRAMAH_NUMBER, 1, std::same_as<P, Parameter>);
   }
-  template <std::size_t N>
-  ParameterDescription parameter(const char* name, std::array<double, N>& vector, const char* unit) {
-    if (const bramah_value* v = next_value()) {
-      for (std::size_t i = 0; i < N; ++i) vector[i] = v->numbers[i];
+  template <detail::ParameterNumber P, std::size_t N>
+  ParameterDescription parameter(const char* name, std::array<P, N>& vector, const char* unit) {
+    if (const Given given = next_value(); given.value != nullptr) {
+      for (std::size_t i = 0; i < N; ++i) vector[i] = given.number<P>(i);
     }
-    return parameter_info(name, unit, BRAMAH_VECTOR, static_cast<int64_t>(N));
+    return parameter_info(name, unit, BRAMAH_VECTOR, static_cast<int64_t>(N), std::same_as<P, Parameter>);
   }
-  ParameterDescription parameter(const char* name, std::vector<double>& list, const char* unit) {
-    if (const bramah_value* v = next_value()) list.assign(v->numbers, v->numbers + v->count);
-    return parameter_info(name, unit, BRAMAH_LIST, 0);
+  template <detail::ParameterNumber P>
+  ParameterDescription parameter(const char* name, std::vector<P>& list, const char* unit) {
+    if (const Given given = next_value(); given.value != nullptr) {
+      list.resize(static_cast<std::size_t>(given.value->count));
+      for (std::size_t i = 0; i < list.size(); ++i) list[i] = given.number<P>(i);
+    }
+    return parameter_info(name, unit, BRAMAH_LIST, 0, std::same_as<P, Parameter>);
   }
   ParameterDescription parameter(const char* name, std::string& text) {
-    if (const bramah_value* v = next_value()) text = v->text;
-    return parameter_info(name, "", BRAMAH_TEXT, 0);
+    if (const Given given = next_value(); given.value != nullptr) text = given.value->text;
+    return parameter_info(name, "", BRAMAH_TEXT, 0, false);
   }
   /// One of a few words; `index` is its place in the list.
   ParameterDescription choice(const char* name, int& index, std::initializer_list<const char*> choices) {
-    if (const bramah_value* v = next_value()) index = static_cast<int>(v->numbers[0]);
-    ParameterDescription p = parameter_info(name, "", BRAMAH_CHOICE, 1);
+    if (const Given given = next_value(); given.value != nullptr) index = static_cast<int>(given.value->numbers[0]);
+    ParameterDescription p = parameter_info(name, "", BRAMAH_CHOICE, 1, false);
     if (collecting_ != nullptr) {
       std::vector<const char*>& list = collecting_->texts.emplace_back(choices);
       list.push_back(nullptr);
@@ -264,10 +279,28 @@ class Description {
   }
 
  private:
-  const bramah_value* next_value() { return values_ == nullptr ? nullptr : &values_[next_parameter_++]; }
+  /// What the engine gives for one parameter; `value` is null while collecting.
+  struct Given {
+    const bramah_value *value = nullptr, *tangent = nullptr;
+    template <class P>
+    [[nodiscard]] P number(std::size_t k) const {
+      if constexpr (std::same_as<P, double>) {
+        return value->numbers[k];
+      } else {
+        return P(value->numbers[k], tangent == nullptr || tangent->numbers == nullptr ? 0.0 : tangent->numbers[k]);
+      }
+    }
+  };
+  Given next_value() {
+    if (values_ == nullptr) return {};
+    const std::size_t k = next_parameter_++;
+    return {&values_[k], tangents_ == nullptr ? nullptr : &tangents_[k]};
+  }
 
-  ParameterDescription parameter_info(const char* name, const char* unit, int kind, int64_t count) {
+  ParameterDescription parameter_info(const char* name, const char* unit, int kind, int64_t count,
+                                      bool differentiable) {
     if (collecting_ == nullptr) return {nullptr, 0};
+    collecting_->differentiable.push_back(differentiable ? 1 : 0);
     collecting_->parameters.push_back({sizeof(bramah_parameter_info), name, "", unit, kind, 1, count, -HUGE_VAL,
                                        HUGE_VAL, 0, 0, nullptr, 0, nullptr, nullptr});
     return {collecting_, collecting_->parameters.size() - 1};
@@ -289,7 +322,7 @@ class Description {
 
   TypeTables* collecting_ = nullptr;
   const TypeTables& tables_;
-  const bramah_value* values_ = nullptr;
+  const bramah_value *values_ = nullptr, *tangents_ = nullptr;
   int next_port_[3] = {}, own_[3] = {};
   std::size_t next_parameter_ = 0;
   int next_holonomic_ = 0, next_nonholonomic_ = 0, next_output_ = 0, next_switch_ = 0, constants_ = 0;
@@ -311,17 +344,17 @@ class Faults {
 /// Start values of own variables that follow from parameters; all preset to their defaults.
 class Start {
  public:
-  Start(const TypeTables& tables, double* x, double* v, double* z)
+  Start(const TypeTables& tables, Parameter* x, Parameter* v, Parameter* z)
       : x_(x), v_(v), z_(z), first_x_(tables.port_slots[BRAMAH_X]), first_z_(tables.port_slots[BRAMAH_Z]) {}
-  double& operator()(Coordinate q) { return x_[q.slot - first_x_]; }
-  double& rate(Coordinate q) { return v_[q.slot - first_x_]; }
-  double& operator()(FirstOrder p) { return z_[p.slot - first_z_]; }
+  Parameter& operator()(Coordinate q) { return x_[q.slot - first_x_]; }
+  Parameter& rate(Coordinate q) { return v_[q.slot - first_x_]; }
+  Parameter& operator()(FirstOrder p) { return z_[p.slot - first_z_]; }
   /// The own variables of a frame: pointers to its first x and v.
-  double* frame(Handle f) { return x_ + (f.slot - first_x_); }
-  double* frame_rate(Handle f) { return v_ + (f.slot - first_x_); }
+  Parameter* frame(Handle f) { return x_ + (f.slot - first_x_); }
+  Parameter* frame_rate(Handle f) { return v_ + (f.slot - first_x_); }
 
  private:
-  double *x_, *v_, *z_;
+  Parameter *x_, *v_, *z_;
   int first_x_, first_z_;
 };
 

@@ -11,6 +11,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "bramah/parameter.hpp"
+
 namespace bramah {
 
 #if defined(__AVX__)
@@ -18,8 +20,6 @@ inline constexpr std::size_t lanes = 4;
 #else
 inline constexpr std::size_t lanes = 2;
 #endif
-
-#define BRAMAH_INLINE inline __attribute__((always_inline))
 
 template <std::size_t L, class E = double>
 struct VectorOf {
@@ -43,10 +43,13 @@ class Dual {
   static constexpr std::size_t blocks = N / lanes;
 
  public:
+  static constexpr bool keeps_tangent = false;
+
   Dual() = default;
   BRAMAH_INLINE Dual(double value) : v_(value) {
     unrolled<blocks>([&](auto i) __attribute__((always_inline)) { d_[i] = Block{}; });
   }
+  BRAMAH_INLINE Dual(const Parameter& p) : Dual(p.value()) {}
   static Dual seed(double value, std::size_t lane) {
     Dual result(value);
     result.d_[lane / lanes][lane % lanes] = 1.0;
@@ -112,9 +115,6 @@ class Dual {
   Block d_[blocks];
   double v_;
 };
-
-/// The number that comparisons are made on. Declared before every scalar that is built on double.
-inline double value(double a) { return a; }
 
 template <std::size_t N>
 BRAMAH_INLINE double value(const Dual<N>& a) {

@@ -1,4 +1,5 @@
-// Elementary functions on every scalar that physics is evaluated on: double, Dual, Taylor and Trace.
+// Elementary functions on every scalar that physics is evaluated on, Real, Dual, Epsilon, Taylor and Trace, and on
+// parameters.
 //
 // Comparisons are made on value(x). A law that branches on the state must be continuous across the branch; its kinks are
 // declared with Description::switching so that analyses can tell which side they take.
@@ -7,6 +8,8 @@
 #include <cmath>
 
 #include "bramah/dual.hpp"
+#include "bramah/epsilon.hpp"
+#include "bramah/real.hpp"
 #include "bramah/taylor.hpp"
 #include "bramah/trace.hpp"
 
@@ -39,6 +42,11 @@ BRAMAH_INLINE Taylor<T, K> series(const Taylor<T, K>& u, const T& f, const T& df
   return r;
 }
 
+/// The tangent of f(p), df its slope; a parameter that stands still has none, whatever the slope.
+inline Parameter moved(const Parameter& p, double f, double df) {
+  return {f, p.tangent() == 0.0 ? 0.0 : df * p.tangent()};
+}
+
 // Each function in one place: its slope and curvature as expressions of the argument `a` and of the value `f`.
 #define BRAMAH_FUNCTION(name, slope, curvature)                                       \
   template <std::size_t N>                                                            \
@@ -47,7 +55,19 @@ BRAMAH_INLINE Taylor<T, K> series(const Taylor<T, K>& u, const T& f, const T& df
     [[maybe_unused]] const double f = name(a);                                        \
     return chain(d, f, slope);                                                        \
   }                                                                                   \
+  inline Real name(const Real& x) { return name(x.value()); }                         \
+  inline Parameter name(const Parameter& p) {                                         \
+    const double a = p.value();                                                       \
+    [[maybe_unused]] const double f = name(a);                                        \
+    return moved(p, f, slope);                                                        \
+  }                                                                                   \
   inline Trace name(const Trace& t) { return Trace::curved(name(t.number()), t, t); } \
+  template <class T>                                                                  \
+  Epsilon<T> name(const Epsilon<T>& e) {                                              \
+    const T& a = e.v;                                                                 \
+    [[maybe_unused]] const T f = name(a);                                             \
+    return {f, T(slope) * e.d};                                                       \
+  }                                                                                   \
   template <class T, int K>                                                           \
   BRAMAH_INLINE Taylor<T, K> name(const Taylor<T, K>& u) {                            \
     const T& a = u.c[0];                                                              \
@@ -74,10 +94,19 @@ BRAMAH_INLINE T square(const T& a) {
   return a * a;
 }
 
-/// a^exponent for a > 0 and a fixed exponent.
-template <class T>
+/// a^exponent for a > 0 and an exponent that does not depend on the state.
+template <LawScalar T>
 T pow(const T& a, double exponent) {
   return exp(exponent * log(a));
+}
+template <LawScalar T>
+T pow(const T& a, const Parameter& exponent) {
+  return exp(exponent * log(a));
+}
+inline Parameter pow(const Parameter& a, const Parameter& exponent) {
+  const double n = exponent.value(), f = pow(a.value(), n);
+  const Parameter by_base = moved(a, f, n * pow(a.value(), n - 1.0));
+  return {f, by_base.tangent() + (exponent.tangent() == 0.0 ? 0.0 : f * log(a.value()) * exponent.tangent())};
 }
 
 /// The angle of the vector (x, y), any quadrant.
@@ -107,5 +136,7 @@ template <class T>
 T min(const T& a, const T& b) {
   return value(b) < value(a) ? b : a;
 }
+inline Parameter max(const Parameter& a, const Parameter& b) { return a < b ? b : a; }
+inline Parameter min(const Parameter& a, const Parameter& b) { return b < a ? b : a; }
 
 }  // namespace bramah

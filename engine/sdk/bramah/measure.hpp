@@ -12,7 +12,8 @@ namespace bramah {
 /// adds (dr/dx)^T m (rddot - gravity). `position` is a generic callable on Positions<S> returning Vec3<S>; `nx` is the
 /// number of local coordinates, all of which it may use.
 template <std::size_t nx, class T, class Position>
-void add_particle(const At<T>& at, Rows<T>& rows, double mass, const Vec3<T>& gravity, const Position& position) {
+void add_particle(const At<T>& at, Rows<T>& rows, const Parameter& mass, const Vec3<T>& gravity,
+                  const Position& position) {
   Taylor<T, 2> path[nx];
   for (std::size_t j = 0; j < nx; ++j) {
     path[j].c[0] = at.x()[j];

@@ -7,7 +7,7 @@ namespace bramah {
 
 /// Inertia of a rigid body in its frame at the centre of mass: (xx, yy, zz, xy, xz, yz), kg.m^2, with I_xy = -int x y dm
 /// written as the element of the matrix.
-using Inertia = std::array<double, 6>;
+using Inertia = std::array<Parameter, 6>;
 
 template <class T>
 class Rows {
@@ -20,7 +20,7 @@ class Rows {
     f_[q.slot] += at_.acceleration(q) * mass;
   }
   /// A rigid body whose frame sits at its centre of mass: Newton and Euler, f_e = 2 L^T (I 2 L eddot + w x I w).
-  void inertia(Frame frame, double mass, const Inertia& inertia) {
+  void inertia(Frame frame, const Parameter& mass, const Inertia& inertia) {
     const Vec3<T> a = at_.acceleration(frame);
     for (std::size_t k = 0; k < 3; ++k) f_[slot(frame, k)] += a[k] * mass;
     const Quaternion<T> e = at_.orientation(frame);
@@ -31,7 +31,7 @@ class Rows {
     for (std::size_t k = 0; k < 4; ++k) f_[slot(frame, 3 + k)] += q[k] * 2.0;
   }
   /// A planar body whose frame sits at its centre of mass; inertia about that point, kg.m^2.
-  void inertia(PlanarFrame frame, double mass, double inertia) {
+  void inertia(PlanarFrame frame, const Parameter& mass, const Parameter& inertia) {
     const Vec2<T> a = at_.acceleration(frame);
     f_[slot(frame, 0)] += a[0] * mass;
     f_[slot(frame, 1)] += a[1] * mass;
@@ -41,7 +41,8 @@ class Rows {
   /// Adds the generalized force Q (N or N.m) to a coordinate.
   void apply(Coordinate q, const T& force) { f_[q.slot] -= force; }
   /// A force (N, ground axes) at the point r of the body.
-  void apply(Frame frame, const Vec3<double>& r, const Vec3<T>& force) {
+  template <class S = double>
+  void apply(Frame frame, const Vec3<S>& r, const Vec3<T>& force) {
     for (std::size_t k = 0; k < 3; ++k) f_[slot(frame, k)] -= force[k];
     const Quaternion<T> q = point_force(at_.orientation(frame), r, force);
     for (std::size_t k = 0; k < 4; ++k) f_[slot(frame, 3 + k)] -= q[k];
@@ -55,7 +56,8 @@ class Rows {
     const Quaternion<T> q = body_rate_transposed(at_.orientation(frame), torque);
     for (std::size_t k = 0; k < 4; ++k) f_[slot(frame, 3 + k)] -= q[k] * 2.0;
   }
-  void apply(PlanarFrame frame, const Vec2<double>& r, const Vec2<T>& force) {
+  template <class S = double>
+  void apply(PlanarFrame frame, const Vec2<S>& r, const Vec2<T>& force) {
     apply(frame, force);
     const Vec2<T> d = at_.direction(frame, r);
     f_[slot(frame, 2)] -= d[0] * force[1] - d[1] * force[0];

@@ -11,11 +11,16 @@ namespace bramah {
 template <class T, int K>
 struct Taylor {
   static_assert(K == 1 || K == 2);
+  static constexpr bool keeps_tangent = KeepsTangent<T>;
   T c[K + 1];
 
   Taylor() = default;
   Taylor(double constant) {
     c[0] = T(constant);
+    for (int k = 1; k <= K; ++k) c[k] = T(0.0);
+  }
+  Taylor(const Parameter& p) {
+    c[0] = T(p);
     for (int k = 1; k <= K; ++k) c[k] = T(0.0);
   }
 

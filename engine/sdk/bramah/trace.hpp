@@ -12,11 +12,13 @@ namespace bramah {
 
 class Trace {
  public:
+  static constexpr bool keeps_tangent = false;
   static constexpr std::size_t most_seeds = 512;
   using Set = std::bitset<most_seeds>;
 
   Trace() = default;
   Trace(double value) : v_(value) {}
+  Trace(const Parameter& p) : v_(p.value()) {}
   static Trace seed(double value, std::size_t index) {
     Trace t(value);
     t.depends_.set(index);

@@ -2,7 +2,8 @@
 #pragma once
 
 #include <array>
-#include <cmath>
+
+#include "bramah/math.hpp"
 
 namespace bramah {
 
@@ -75,8 +76,8 @@ Quaternion<T> body_rate_transposed(const Quaternion<T>& e, const Vec3<T>& w) {
 }
 
 /// (d(A(e) u)/de)^T w (4): the generalized force on e of a force w at the body's point u.
-template <class T>
-Quaternion<T> point_force(const Quaternion<T>& e, const Vec3<double>& u, const Vec3<T>& w) {
+template <class T, class S>
+Quaternion<T> point_force(const Quaternion<T>& e, const Vec3<S>& u, const Vec3<T>& w) {
   const T ew = e[1] * w[0] + e[2] * w[1] + e[3] * w[2];
   const T eu = e[1] * u[0] + e[2] * u[1] + e[3] * u[2];
   const T uw = u[0] * w[0] + u[1] * w[1] + u[2] * w[2];
@@ -88,10 +89,11 @@ Quaternion<T> point_force(const Quaternion<T>& e, const Vec3<double>& u, const V
 }
 
 /// Unit Euler parameters of the rotation vector (axis times angle, rad).
-inline Quaternion<double> quaternion_of(const Vec3<double>& rotation) {
-  const double angle = std::sqrt(dot(rotation, rotation));
-  const double scale = angle > 0.0 ? std::sin(0.5 * angle) / angle : 0.5;
-  return {std::cos(0.5 * angle), scale * rotation[0], scale * rotation[1], scale * rotation[2]};
+template <class T = double>
+Quaternion<T> quaternion_of(const Vec3<T>& rotation) {
+  const T angle = sqrt(dot(rotation, rotation));
+  const T scale = value(angle) > 0.0 ? T(sin(0.5 * angle) / angle) : T(0.5);
+  return {cos(0.5 * angle), scale * rotation[0], scale * rotation[1], scale * rotation[2]};
 }
 
 }  // namespace bramah
