@@ -60,7 +60,7 @@ constexpr const char* text = R"({"bramah": 1,
     "torque":   { "type": "signals/table", "unit": "N.m", "times": [0, 1, 2], "values": [1, 5, 4] },
     "motor":    { "type": "mechanics/planar_torque", "on": "body", "magnitude": "torque" }
   },
-  "start": { "lift.p": "=p", "load.frame.x": 1.65, "load.frame.angle.rate": 0.4, "disc.yaw.rate": "=v" },
+  "start": { "lift.p": "=p", "load.x": 1.65, "load.angle.rate": 0.4, "disc.x.rate": "=v" },
   "simulate": { "to_time": "=end" }
 })";
 
@@ -68,7 +68,7 @@ Compiled compiled(const Scene& scene) { return compile(scene, testing::registry(
 Scene scene() { return read_scene_text(text, "test.json"); }
 
 /// The scene with another value for one of its numbers, written as a plain SI number.
-Scene with(const SceneNumber& number, double value) {
+Scene with(const System& system, const SceneNumber& number, double value) {
   Scene s = scene();
   const std::size_t dot = number.name.find('.');
   const std::string first = number.name.substr(0, dot), rest = number.name.substr(dot + 1);
@@ -82,11 +82,12 @@ Scene with(const SceneNumber& number, double value) {
     component->set(key, value);
     return s;
   }
-  Value::List list;
-  if (const Value* written = component->find(key)) list = *written->list();
-  while (list.size() < 3 && component->find(key) == nullptr) list.emplace_back(0.0);
-  const auto k = static_cast<std::size_t>(std::stoi(rest.substr(rest.find('.') + 1)));
-  list.at(k) = Value(value);
+  const ParameterRef& ref = number.parameters.front();
+  const Component& made = system.components[static_cast<std::size_t>(ref.component)];
+  const std::vector<double>& numbers = made.numbers[static_cast<std::size_t>(ref.parameter)];
+  const Value* written = component->find(key);
+  Value::List list = written == nullptr ? Value::List(numbers.begin(), numbers.end()) : *written->list();
+  list[static_cast<std::size_t>(ref.element)] = Value(value);
   component->set(key, list);
   return s;
 }
@@ -146,12 +147,12 @@ Request whole() {
 }
 
 /// How far a number moves per unit of eps: as far as it is large.
-double reach(const SceneNumber& number) { return std::max(std::fabs(number.value), 0.1); }
+double reach(const SceneNumber& number) { return number.value == 0.0 ? 0.1 : std::fabs(number.value); }
 
 /// Everything of the scene with its number and its state moved by h.
 std::vector<Vector> moved(const SceneNumber& number, const System& base, const State& at, const State& direction,
                           double h) {
-  const Compiled other = compiled(with(number, number.value + h * reach(number)));
+  const Compiled other = compiled(with(base, number, number.value + h * reach(number)));
   State state = initial_state(other.system, at.t);  // its constants and inputs are those of the number
   const auto copy = [h](const Vector& from, const Vector& along, std::size_t count, Vector& to) {
     for (std::size_t i = 0; i < count; ++i) to[i] = from[i] + h * along[i];
@@ -221,7 +222,9 @@ TEST(Direction, StartValuesMoveAsTheyDoFromSceneToScene) {
     along.apply_inputs(system, initial_state(system, 0.4));
     along.add_start(system);
     const double h = 1e-3 * reach(number);
-    const auto at = [&](double t) { return initial_state(compiled(with(number, number.value + t)).system, 0.4); };
+    const auto at = [&](double t) {
+      return initial_state(compiled(with(system, number, number.value + t)).system, 0.4);
+    };
     const State p = at(h), m = at(-h), hp = at(0.5 * h), hm = at(-0.5 * h);
     for (const auto list : {&State::x, &State::v, &State::z}) {
       for (std::size_t i = 0; i < (p.*list).size(); ++i) {
@@ -273,7 +276,7 @@ TEST(SceneNumbers, AreFoundByName) {
   EXPECT_EQ(value.parameters[0].element, 1);
   EXPECT_EQ(find_number(s, "gravity.acceleration.0").value, 0.3);
   EXPECT_EQ(find_number(s, "cylinder.c_2").value, 0.0) << "by default";
-  const SceneNumber start = find_number(s, "start.load.frame.angle.rate");
+  const SceneNumber start = find_number(s, "start.load.angle.rate");
   EXPECT_EQ(start.value, 0.4);
   EXPECT_EQ(start.unit, "rad/s");
 }
@@ -298,7 +301,7 @@ TEST(SceneNumbers, ConstantsDriveAllThatIsWrittenWithThem) {
   EXPECT_THAT(driven("constants.B_oil"), ElementsAre("cylinder.B_oil.0", "hose.B_oil.0"));
   EXPECT_THAT(driven("constants.g"), ElementsAre("gravity.acceleration.1"));
   EXPECT_THAT(driven("constants.p"), ElementsAre("supply.p.0", "start lift.p"));
-  EXPECT_THAT(driven("constants.v"), ElementsAre("body.velocity.0", "start disc.yaw.rate"));
+  EXPECT_THAT(driven("constants.v"), ElementsAre("body.velocity.0", "start disc.x.rate"));
   const SceneNumber D = find_number(s, "constants.D");
   EXPECT_EQ(D.value, 0.08) << "SI, though written in mm";
   EXPECT_EQ(D.unit, "m");
@@ -334,8 +337,8 @@ TEST(SceneNumbers, AreRefusedWithAPlaceAndARemedy) {
             "derivatives by \"body.mess\": mechanics/planar_body has no parameter \"mess\"; expected one of: "
             "\"body.mass\", \"body.inertia\", \"body.position.0\", \"body.position.1\", \"body.angle\", "
             "\"body.velocity.0\", \"body.velocity.1\", \"body.angular_velocity\"; did you mean \"body.mass\"?");
-  EXPECT_THAT(refusal(s, "bodie.mass"), HasSubstr("there is no component \"bodie\"; expected component.parameter"));
-  EXPECT_THAT(refusal(s, "bodie.mass"), HasSubstr("did you mean \"body\"?"));
+  EXPECT_THAT(refusal(s, "boddy.mass"), HasSubstr("there is no component \"boddy\"; expected component.parameter"));
+  EXPECT_THAT(refusal(s, "boddy.mass"), HasSubstr("did you mean \"body\"?"));
   EXPECT_THAT(refusal(s, "body.position"), HasSubstr("is a list of 2 numbers; expected one of them: body.position.0 to "
                                                      ".1; name one element, counted from 0"));
   EXPECT_THAT(refusal(s, "body.position.2"), HasSubstr("is a list of 2 numbers"));
@@ -348,7 +351,7 @@ TEST(SceneNumbers, AreRefusedWithAPlaceAndARemedy) {
                         "declares as bramah::Parameter; declare \"times\" as bramah::Parameter"));
   EXPECT_THAT(refusal(s, "constants.B_oel"), HasSubstr("did you mean \"constants.B_oil\"?"));
   EXPECT_THAT(refusal(s, "constants.end"), HasSubstr("no parameter and no start value is written \"=end\""));
-  EXPECT_THAT(refusal(s, "start.body.frame.x"), HasSubstr("the scene gives no such start value"));
+  EXPECT_THAT(refusal(s, "start.body.x"), HasSubstr("the scene gives no such start value"));
   EXPECT_THAT(refusal(s, ""), HasSubstr("there is no component \"\""));
 }
 
