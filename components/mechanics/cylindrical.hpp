@@ -19,8 +19,8 @@ namespace bramah::mechanics {
 struct Cylindrical {
   Frame a, b;
   HolonomicRow across_1, across_2, tilt_1, tilt_2;
-  Vec3<double> point_a = {}, point_b = {}, axis_a = {}, axis_b = {};
-  std::array<Vec3<double>, 2> t = {};  // 1
+  Vec3<Parameter> point_a = {}, point_b = {}, axis_a = {}, axis_b = {};
+  std::array<Vec3<Parameter>, 2> t = {};  // 1
 
   void describe(Description& is) {
     is.called("mechanics/cylindrical", "an axis of two bodies in common, along which they slide and turn");

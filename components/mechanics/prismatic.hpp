@@ -23,9 +23,9 @@ namespace bramah::mechanics {
 struct Prismatic {
   Frame a, b;
   HolonomicRow across_1, across_2, tilt_1, tilt_2, twist;
-  Vec3<double> point_a = {}, point_b = {}, axis_a = {}, axis_b = {}, normal_a = {}, normal_b = {};
-  std::array<Vec3<double>, 2> t = {};  // 1
-  Vec3<double> n_a = {}, q_b = {};     // 1
+  Vec3<Parameter> point_a = {}, point_b = {}, axis_a = {}, axis_b = {}, normal_a = {}, normal_b = {};
+  std::array<Vec3<Parameter>, 2> t = {};  // 1
+  Vec3<Parameter> n_a = {}, q_b = {};     // 1
 
   void describe(Description& is) {
     is.called("mechanics/prismatic", "a straight guide between two bodies, which do not turn against each other");
@@ -68,7 +68,8 @@ struct Prismatic {
   }
 
  private:
-  static void require_across(Faults& faults, const char* parameter, const Vec3<double>& a, const Vec3<double>& axis) {
+  static void require_across(Faults& faults, const char* parameter, const Vec3<Parameter>& a,
+                             const Vec3<Parameter>& axis) {
     if (!(length(cross(axis, a)) > 1e-9 * length(a)))
       faults.add(parameter, written(a), "a direction that is not along the axis " + written(axis));
   }

@@ -13,7 +13,7 @@ namespace bramah::mechanics {
 struct Spherical {
   Frame a, b;
   HolonomicRow x, y, z;
-  Vec3<double> point_a = {}, point_b = {};
+  Vec3<Parameter> point_a = {}, point_b = {};
 
   void describe(Description& is) {
     is.called("mechanics/spherical", "a ball joint between two bodies");
