@@ -286,10 +286,26 @@ void write_eigenvalues(JsonWriter& json, std::string_view name, const std::vecto
   json.end_list();
 }
 
-std::string spectrum_document(const System& system, const Linearization& linear, const Spectrum& spectrum) {
+Census census_of(const System& system, const Linearization& linear) {
+  Census census{find_spectrum(linear.model), {}, ""};
+  Descriptor descriptor(system, linear.partition.rows);
+  descriptor.evaluate(linear.state);
+  census.unpredicted = descriptor.changing();
+  if (census.unpredicted.empty()) census.predicted = predict_zeros(descriptor);
+  return census;
+}
+
+std::string spectrum_document(const System& system, const Linearization& linear, const Census& census) {
   const LinearModel& model = linear.model;
+  const Spectrum& spectrum = census.spectrum;
   JsonWriter json;
   json.begin_object();
+  json.member("unstable", spectrum.unstable_count()).member("zeros", spectrum.zero_count()).key("zeros_predicted");
+  if (census.predicted) {
+    json.value(census.predicted->count());
+  } else {
+    json.null();
+  }
   json.key("states").values(quantity_names(model.states));
   json.key("eigenvalues").begin_list();
   for (const Mode& mode : spectrum.modes) {
@@ -334,8 +350,19 @@ std::string spectrum_document(const System& system, const Linearization& linear,
   return json.take();
 }
 
-std::string spectrum_notes(const Spectrum& spectrum) {
-  std::string out;
+std::string spectrum_notes(const Census& census) {
+  const Spectrum& spectrum = census.spectrum;
+  const auto unstable = static_cast<std::size_t>(spectrum.unstable_count());
+  const auto zeros = static_cast<std::size_t>(spectrum.zero_count());
+  std::string out = unstable == 0 ? "No eigenvalue to the right of the imaginary axis" : counted(unstable, "eigenvalue") + " to the right of the imaginary axis";
+  out += zeros == 0 ? ".\n" : "; " + counted(zeros, "zero") + ", explained above.\n";
+  if (!census.predicted) {
+    out += "Zeros were not foretold: " + census.unpredicted + ".\n";
+  } else if (static_cast<std::size_t>(census.predicted->count()) != zeros) {
+    out += "Warning: the ranks of the unreduced matrices foretell " + counted(static_cast<std::size_t>(census.predicted->count()), "zero") +
+           ", the reduced Jacobian has " + std::to_string(zeros) + ": the machine is near a change of rank; its smallest accepted pivot is " +
+           short_number(std::min(census.predicted->accepted, spectrum.smallest_accepted), 2) + ".\n";
+  }
   for (const auto& sum : spectrum.conserved) {
     out += "Conserved:";
     for (std::size_t k = 0; k < sum.size(); ++k) {

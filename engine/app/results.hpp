@@ -2,12 +2,14 @@
 #pragma once
 
 #include <complex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/context.hpp"
 #include "io/json_writer.hpp"
 #include "io/tables.hpp"
+#include "linear/census.hpp"
 #include "linear/spectrum.hpp"
 
 namespace bramah {
@@ -39,9 +41,17 @@ void write_conditions(JsonWriter& json, const Conditions& conditions);
 /// Notes on redundant rows and one-sided derivatives; empty where there are none.
 std::string linear_notes(const System& system, const Linearization& linear);
 
-/// Notes on zeros: conserved sums, and eigenvalues that rounding alone could explain.
-std::string spectrum_notes(const Spectrum& spectrum);
-std::string spectrum_document(const System& system, const Linearization& linear, const Spectrum& spectrum);
+/// A spectrum with the count of zeros that the unreduced coefficients foretell, where these are constant.
+struct Census {
+  Spectrum spectrum;
+  std::optional<ZeroPrediction> predicted;
+  std::string unpredicted;  // why not
+};
+Census census_of(const System& system, const Linearization& linear);
+
+/// The verdict on stability, how zeros were counted, conserved sums, and eigenvalues that rounding alone could explain.
+std::string spectrum_notes(const Census& census);
+std::string spectrum_document(const System& system, const Linearization& linear, const Census& census);
 /// Members of an open object: every nonzero mode in all variables, and its energies by component.
 void write_modal_details(JsonWriter& json, const System& system, const Linearization& linear, const Spectrum& spectrum);
 /// Where the energy of each nonzero mode is: the components with the largest shares. Empty where no mode has any.

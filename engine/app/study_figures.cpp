@@ -97,7 +97,7 @@ plot::Figure spectrum_figure(const StudyResults& results) {
       zeros{"true zeros", {}, {}, plot::Style::circles, 2};
   std::vector<double> parts;
   double left = 0.0, right = 0.0, up = 0.0;
-  for (const Mode& mode : results.spectrum.modes) {
+  for (const Mode& mode : results.census.spectrum.modes) {
     const std::complex<double> value = mode.zero ? 0.0 : mode.eigenvalue;
     plot::Series& series = mode.zero ? zeros : modes;
     series.x.push_back(value.real());
@@ -173,7 +173,7 @@ plot::Figure false_zero_figure(const Comparison& comparison) {
 StudyFigures study_figures(const Context& context, const StudyResults& results) {
   StudyFigures figures;
   if (!results.recording.times.empty()) {
-    const double settling = 1.2 * settling_time(results.spectrum);
+    const double settling = 1.2 * settling_time(results.census.spectrum);
     const bool closer = results.overlay && settling < 0.5 * (results.recording.times.back() - results.overlay->from);
     for (const std::size_t k : chosen_outputs(context, results)) {
       figures.transient.push_back(transient_figure(context, results, k));
@@ -181,7 +181,7 @@ StudyFigures study_figures(const Context& context, const StudyResults& results) 
     }
     figures.columns = closer ? 2 : 1;
   }
-  if (!results.spectrum.modes.empty()) figures.others.emplace_back("spectrum", spectrum_figure(results));
+  if (!results.census.spectrum.modes.empty()) figures.others.emplace_back("spectrum", spectrum_figure(results));
   if (results.comparison && !results.comparison->differences.empty()) {
     figures.others.emplace_back("compare_errors", error_figure(*results.comparison));
     figures.others.emplace_back("compare_false_zeros", false_zero_figure(*results.comparison));

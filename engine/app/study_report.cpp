@@ -13,7 +13,7 @@ std::vector<std::pair<std::string, std::string>> facts(const Context& context, c
   list.emplace_back("without the reduction",
                     std::to_string(sizes.augmented()) + " × " + std::to_string(sizes.augmented()));
   double worst = -HUGE_VAL;
-  for (const Mode& mode : results.spectrum.modes) {
+  for (const Mode& mode : results.census.spectrum.modes) {
     if (!mode.zero) worst = std::max(worst, mode.eigenvalue.real());
   }
   if (std::isfinite(worst)) list.emplace_back("largest real part", short_number(worst, 5) + " 1/s");
@@ -80,7 +80,7 @@ std::string study_page(const Context& context, const StudyResults& results, cons
 
   report.heading("Spectrum");
   if (const plot::Figure* figure = find(figures, "spectrum")) report.figure(plot::svg(*figure));
-  report.table(spectrum_table(results.linear.model, results.spectrum));
+  report.table(spectrum_table(results.linear.model, results.census.spectrum));
   paragraphs(report, linear_notes(system, results.linear));
 
   if (results.comparison) {

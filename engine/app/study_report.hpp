@@ -9,7 +9,7 @@
 #include "app/comparison.hpp"
 #include "app/overlay.hpp"
 #include "io/plot.hpp"
-#include "linear/spectrum.hpp"
+#include "app/results.hpp"
 
 namespace bramah {
 
@@ -17,7 +17,7 @@ namespace bramah {
 struct StudyResults {
   std::optional<Equilibrium> equilibrium;
   Linearization linear;
-  Spectrum spectrum;
+  Census census;
   std::optional<Transient> transient;
   Recording recording;
   std::optional<Overlay> overlay;

@@ -5,6 +5,7 @@
 #include "app/context.hpp"
 #include "app/failure.hpp"
 #include "app/results.hpp"
+#include "app/sparse_model.hpp"
 #include "app/transient.hpp"
 #include "app/verbs.hpp"
 #include "io/matrix_files.hpp"
@@ -120,6 +121,7 @@ int run_along(const Context& context) {
 
 int run(const Arguments& arguments) {
   const Context context = load(arguments);
+  if (context.options().linearize.form == LinearizeOptions::Form::descriptor) return run_descriptor(context);
   if (!context.options().linearize.times.empty()) return run_along(context);
   const Linearization linear = linearize(context);
   const LinearModel& model = linear.model;
@@ -146,6 +148,7 @@ has no dependent coordinates and no multipliers: its states are the independent 
 tied by nonholonomic constraints only, and the first-order variables. Derivatives are exact; where a law has a kink they
 are those of the side that the scene names, and the kink is reported. Redundant constraint rows are found and named.
 With "linearize": {"times": [...]} the model is given at these times of the simulation, one after another.
+With "form": "descriptor" nothing is reduced: sparse E and A of E dX/dt = A X, for systems of any size.
 
 Examples
   bramah linearize scenes/four_bar/overdamped.json

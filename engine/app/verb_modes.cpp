@@ -1,6 +1,7 @@
 #include "app/context.hpp"
 #include "app/failure.hpp"
 #include "app/results.hpp"
+#include "app/sparse_model.hpp"
 #include "app/verbs.hpp"
 
 namespace bramah {
@@ -8,14 +9,15 @@ namespace {
 
 int run(const Arguments& arguments) {
   const Context context = load(arguments);
+  if (context.options().modes.select != ModesOptions::Select::all) return run_selected_modes(context);
   const Linearization linear = linearize(context);
-  const Spectrum spectrum = find_spectrum(linear.model);
-  std::string out = as_text(spectrum_table(linear.model, spectrum));
-  const std::string energies = energy_text(context.system(), linear, spectrum);
+  const Census census = census_of(context.system(), linear);
+  std::string out = as_text(spectrum_table(linear.model, census.spectrum));
+  const std::string energies = energy_text(context.system(), linear, census.spectrum);
   if (!energies.empty()) out += '\n' + energies;
-  const std::string notes = spectrum_notes(spectrum) + linear_notes(context.system(), linear);
+  const std::string notes = spectrum_notes(census) + linear_notes(context.system(), linear);
   if (!notes.empty()) out += '\n' + notes;
-  deliver(arguments, "spectrum.json", spectrum_document(context.system(), linear, spectrum), out);
+  deliver(arguments, "spectrum.json", spectrum_document(context.system(), linear, census), out);
   return exit_ok;
 }
 
@@ -32,7 +34,11 @@ Examples
   bramah modes scenes/four_bar/overdamped.json
   bramah modes scenes/four_bar/overdamped.json --set "seal.F_c=21 N" --set "seal.F_s=83 N" --set seal.sigma_2=33
 
---json prints {"states": [...], "eigenvalues": [{"re", "im", "zero", "cause", "damping_ratio", "frequency_hz",
+Of systems with thousands of states a scene selects: "modes": {"count": 20} the slowest, {"band": ["1 Hz", "2 Hz"]} those
+in a band, {"within": "10 1/s"} all with |s| below. They come from the sparse unreduced form, with their residuals and a
+proof that none was missed ("prove": false skips it); --out DIR writes selected_modes.json and mode_shapes.csv.
+
+--json prints {"unstable": n, "zeros": n, "zeros_predicted": n, "states": [...], "eigenvalues": [{"re", "im", "zero", "cause", "damping_ratio", "frequency_hz",
 "condition", "doubtful"}], "zero_blocks": [{"size", "kind", "cause", "moves"}], "conserved": [{STATE: share}],
 "mode_shapes": [{STATE: [re, im]}], "full_shapes": [{"variables": {NAME: [re, im]}, "multipliers": {NAME: [re, im]}}],
 "energies": [{"kinetic", "potential", "pressure", "dissipated", "components": {NAME: {...}}}]}

@@ -53,7 +53,7 @@ SimulateOptions simulate_options(const Context& context, const Spectrum& spectru
 }
 
 void simulate_study(const Context& context, Folder& folder, StudyResults& results) {
-  const SimulateOptions options = simulate_options(context, results.spectrum);
+  const SimulateOptions options = simulate_options(context, results.census.spectrum);
   const State* start = options.from == SimulateOptions::From::equilibrium ? &results.equilibrium->state : nullptr;
   OutputFile csv(folder.path() / "time_series.csv");
   csv.write(csv_header(context.options().outputs));
@@ -101,7 +101,7 @@ std::string summary(const Context& context, const StudyResults& results, Folder&
   json.member("folder", folder.path().string());
   write_sizes(json, sizes_of(context.system(), &results.linear.partition));
   Eigenvalues eigenvalues;
-  for (const Mode& mode : results.spectrum.modes) eigenvalues.push_back(mode.eigenvalue);
+  for (const Mode& mode : results.census.spectrum.modes) eigenvalues.push_back(mode.eigenvalue);
   write_eigenvalues(json, "eigenvalues", eigenvalues);
   if (results.transient) {
     json.key("simulation").begin_object();
@@ -131,7 +131,7 @@ std::string text(const Context& context, const StudyResults& results, const Fold
   out += "\n\nLinear model " + std::to_string(sizes.reduced()) + " x " + std::to_string(sizes.reduced()) +
          ", without the reduction " + std::to_string(sizes.augmented()) + " x " + std::to_string(sizes.augmented()) +
          "\n";
-  out += as_text(spectrum_table(results.linear.model, results.spectrum));
+  out += as_text(spectrum_table(results.linear.model, results.census.spectrum));
   const std::string notes = linear_notes(context.system(), results.linear);
   if (!notes.empty()) out += '\n' + notes;
   if (results.transient) out += "\nSimulation\n" + as_text(statistics_table(*results.transient));
@@ -159,8 +159,8 @@ int run(const Arguments& arguments) {
   }
   results.linear = linearize(context);
   folder.write("linear_model.json", linear_document(context.system(), results.linear));
-  results.spectrum = find_spectrum(results.linear.model);
-  folder.write("spectrum.json", spectrum_document(context.system(), results.linear, results.spectrum));
+  results.census = census_of(context.system(), results.linear);
+  folder.write("spectrum.json", spectrum_document(context.system(), results.linear, results.census));
   if (context.options().simulate.asked) simulate_study(context, folder, results);
   if (results.transient && context.options().study.linear_from >= 0.0) overlay_study(context, folder, results);
   if (context.scene.root.find("compare") != nullptr) {

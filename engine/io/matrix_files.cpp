@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
+
+#include "io/json_writer.hpp"
 
 namespace bramah {
 namespace {
@@ -74,11 +75,18 @@ std::string csv_of(const DenseView& matrix, const std::vector<std::string>& rows
   for (std::size_t i = 0; i < matrix.rows; ++i) {
     out += rows[i];
     for (std::size_t j = 0; j < matrix.columns; ++j) {
-      char number[40];
-      std::snprintf(number, sizeof number, ",%.17g", matrix.data[i + j * matrix.rows]);
-      out += number;
+      out += ',' + exact_number(matrix.data[i + j * matrix.rows]);
     }
     out += '\n';
+  }
+  return out;
+}
+
+std::string matrix_market(std::int64_t rows, std::int64_t columns, const std::vector<SparseEntry>& entries) {
+  std::string out = "%%MatrixMarket matrix coordinate real general\n" + std::to_string(rows) + ' ' +
+                    std::to_string(columns) + ' ' + std::to_string(entries.size()) + '\n';
+  for (const SparseEntry& entry : entries) {
+    out += std::to_string(entry.row + 1) + ' ' + std::to_string(entry.column + 1) + ' ' + exact_number(entry.value) + '\n';
   }
   return out;
 }

@@ -36,7 +36,7 @@ struct TopLevel {
   Shape shape;
 };
 
-constexpr std::array<TopLevel, 15> kTopLevel = {{
+constexpr auto kTopLevel = std::to_array<TopLevel>({
     {"bramah", Shape::version},
     {"title", Shape::text},
     {"description", Shape::text},
@@ -49,10 +49,11 @@ constexpr std::array<TopLevel, 15> kTopLevel = {{
     {"equilibrium", Shape::object},
     {"simulate", Shape::object},
     {"linearize", Shape::object},
+    {"modes", Shape::object},
     {"study", Shape::object},
     {"compare", Shape::object},
     {"sweep", Shape::object},
-}};
+});
 
 void check_texts(const std::string& place, const std::string& key, const Value& value, Faults& faults) {
   const Value::List* list = value.list();

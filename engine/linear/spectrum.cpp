@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 #include "linear/staircase.hpp"
 #include "system/analysis_error.hpp"
@@ -213,6 +214,10 @@ Index Spectrum::zero_count() const {
   return std::count_if(modes.begin(), modes.end(), [](const Mode& m) { return m.zero; });
 }
 
+Index Spectrum::unstable_count() const {
+  return std::count_if(modes.begin(), modes.end(), [](const Mode& m) { return m.eigenvalue.real() > m.rounding; });
+}
+
 MatrixXd participation(const Spectrum& spectrum) {
   MatrixXd shares = spectrum.left.conjugate().cwiseProduct(spectrum.right.leftCols(spectrum.left.cols())).cwiseAbs();
   for (Index k = 0; k < shares.cols(); ++k)
@@ -226,6 +231,30 @@ std::vector<Complex> plain_eigenvalues(const LinearModel& model) {
   const VectorXd nominal = nominals(model);
   return plain_eigenvalues(MatrixXd(nominal.cwiseInverse().asDiagonal() * model.A * nominal.asDiagonal()));
 }
+
+namespace {
+
+/// By decreasing real part, those that rounding explains taken for zero; then by frequency.
+void sort_modes(Spectrum& spectrum) {
+  std::vector<std::size_t> order(spectrum.modes.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto key = [&](std::size_t k) {
+    const Mode& mode = spectrum.modes[k];
+    const double real = mode.eigenvalue.real();
+    return std::tuple(std::abs(real) <= mode.rounding ? 0.0 : -real, std::abs(mode.eigenvalue.imag()),
+                      -mode.eigenvalue.imag());
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  const Spectrum from = spectrum;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const auto to = static_cast<Index>(k), column = static_cast<Index>(order[k]);
+    spectrum.modes[k] = from.modes[order[k]];
+    spectrum.right.col(to) = from.right.col(column);
+    spectrum.left.col(to) = from.left.col(column);
+  }
+}
+
+}  // namespace
 
 Spectrum find_spectrum(const LinearModel& model) {
   const VectorXd nominal = nominals(model);
@@ -243,22 +272,14 @@ Spectrum find_spectrum(const LinearModel& model) {
   spectrum.norm = A.norm();
 
   // Vectors of A from those of the block: Q [y; v] with (lambda - A_zz) y = A_zr v, and Q [0; w].
-  std::vector<std::size_t> order(static_cast<std::size_t>(rest));
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    const Complex p = inner.values[a], q = inner.values[b];
-    return p.real() != q.real() ? p.real() > q.real() : p.imag() > q.imag();
-  });
   spectrum.right = MatrixXcd::Zero(n, n);
   spectrum.left = MatrixXcd::Zero(n, rest);
   for (Index k = 0; k < rest; ++k) {
-    const std::size_t from = order[static_cast<std::size_t>(k)];
-    const auto column = static_cast<Index>(from);
     Mode mode;
-    mode.eigenvalue = inner.values[from];
+    mode.eigenvalue = inner.values[static_cast<std::size_t>(k)];
     VectorXcd v(n), w = VectorXcd::Zero(n);
-    v.tail(rest) = inner.right.col(column);
-    w.tail(rest) = inner.left.col(column);
+    v.tail(rest) = inner.right.col(k);
+    w.tail(rest) = inner.left.col(k);
     if (z > 0) {
       const MatrixXcd shifted =
           mode.eigenvalue * MatrixXcd::Identity(z, z) - stairs.triangular.topLeftCorner(z, z).cast<Complex>();
@@ -274,8 +295,10 @@ Spectrum find_spectrum(const LinearModel& model) {
     // Near a defective zero w^H v vanishes, and with it all that the quotient could tell.
     if (rounding > refine_above * std::abs(mode.eigenvalue) && mode.condition < well_conditioned)
       mode.eigenvalue = rayleigh_quotient(A, w, v);
-    const double bound = doubt * rounding;
-    mode.doubtful = std::abs(mode.eigenvalue) <= bound;
+    // Partners follow one another; they stay exact conjugates.
+    if (mode.eigenvalue.imag() < 0.0 && k > 0) mode.eigenvalue = std::conj(spectrum.modes.back().eigenvalue);
+    mode.rounding = doubt * rounding;
+    mode.doubtful = std::abs(mode.eigenvalue) <= mode.rounding;
     Index largest = 0;
     v.cwiseAbs().maxCoeff(&largest);
     const Complex unit = v(largest);
@@ -289,6 +312,7 @@ Spectrum find_spectrum(const LinearModel& model) {
     spectrum.left.col(k) = nominal.cwiseInverse().cast<Complex>().asDiagonal() * w;
     spectrum.modes.push_back(std::move(mode));
   }
+  sort_modes(spectrum);
   if (z == 0) return spectrum;
 
   // Jordan blocks: starting vectors of blocks of size >= k are A_zz^(k-1) null(A_zz^k), nested; longest first.

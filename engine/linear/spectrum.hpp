@@ -16,8 +16,9 @@ namespace bramah {
 struct Mode {
   std::complex<double> eigenvalue;  // exactly 0 for a zero
   double condition = 1.0;           // of the eigenvalue: |w| |v| / |w^H v|, states in nominals
+  double rounding = 0.0;            // what rounding may have moved it by: c eps |A| condition
   bool zero = false;
-  bool doubtful = false;  // a nonzero value that rounding alone could explain: |lambda| <= c eps |A| condition
+  bool doubtful = false;  // a nonzero value that rounding alone could explain: |lambda| <= rounding
   std::string cause;      // of a zero or a doubtful value
 };
 
@@ -30,7 +31,7 @@ struct ZeroBlock {
 };
 
 struct Spectrum {
-  std::vector<Mode> modes;       // nonzero ones by decreasing real, then imaginary part; zeros last
+  std::vector<Mode> modes;       // nonzero ones by decreasing real part, then frequency; zeros last
   Eigen::MatrixXcd right, left;  // (states x modes); right: largest component in nominals is 1; left^H right = 1. Zero
                                  // modes: a basis of the invariant subspace, no left vectors
   std::vector<ZeroBlock> zeros;
@@ -39,6 +40,8 @@ struct Spectrum {
   double norm = 0.0;                                      // of the matrix, states in nominals
   double smallest_accepted = 1.0, largest_refused = 0.0;  // pivots that decided the ranks, relative to their rows
   [[nodiscard]] Eigen::Index zero_count() const;
+  /// Eigenvalues whose real part rounding does not explain, to the right of the imaginary axis.
+  [[nodiscard]] Eigen::Index unstable_count() const;
 };
 
 /// The spectrum of a reduced model: zeros by rank, the others by LAPACK (dgeevx, balanced), states in nominals.

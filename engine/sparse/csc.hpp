@@ -5,11 +5,13 @@
 
 namespace bramah::sparse {
 
-struct CscView {
+template <class Scalar>
+struct BasicCscView {
   std::int64_t rows = 0, columns = 0;
   const std::int64_t* start = nullptr;  // (columns + 1)
   const std::int64_t* row = nullptr;    // ascending within a column
-  const double* value = nullptr;
+  const Scalar* value = nullptr;
 };
+using CscView = BasicCscView<double>;
 
 }  // namespace bramah::sparse

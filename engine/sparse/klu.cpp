@@ -2,6 +2,7 @@
 
 #include <klu.h>
 
+#include <cmath>
 #include <new>
 
 namespace bramah::sparse {
@@ -20,9 +21,58 @@ SuiteSparse_long* indices(const std::int64_t* p) {
 // A pivot that lost this factor against the largest entry of the matrix means that old pivots no longer serve.
 constexpr double least_reciprocal_condition = 1e-14;
 
+/// KLU's functions by scalar; complex numbers travel as pairs of doubles.
+template <class Scalar>
+struct Calls;
+template <>
+struct Calls<double> {
+  static constexpr auto factor = klu_l_factor;
+  static constexpr auto refactor = klu_l_refactor;
+  static constexpr auto reciprocal_condition = klu_l_rcond;
+  static constexpr auto condition = klu_l_condest;
+  static constexpr auto solve = klu_l_solve;
+  static constexpr auto free_numeric = klu_l_free_numeric;
+  static int solve_transposed(klu_l_symbolic* s, klu_l_numeric* n, SuiteSparse_long size, SuiteSparse_long count,
+                              double* rhs, klu_l_common* common) {
+    return static_cast<int>(klu_l_tsolve(s, n, size, count, rhs, common));
+  }
+};
+template <>
+struct Calls<std::complex<double>> {
+  static constexpr auto factor = klu_zl_factor;
+  static constexpr auto refactor = klu_zl_refactor;
+  static constexpr auto reciprocal_condition = klu_zl_rcond;
+  static constexpr auto condition = klu_zl_condest;
+  static constexpr auto solve = klu_zl_solve;
+  static constexpr auto free_numeric = klu_zl_free_numeric;
+  static int solve_transposed(klu_l_symbolic* s, klu_l_numeric* n, SuiteSparse_long size, SuiteSparse_long count,
+                              double* rhs, klu_l_common* common) {
+    return static_cast<int>(klu_zl_tsolve(s, n, size, count, rhs, 0, common));
+  }
+};
+
+template <class Scalar>
+double* doubles(const Scalar* values) {
+  return reinterpret_cast<double*>(writable(values));
+}
+
+/// 1 for an even permutation, -1 for an odd one.
+double parity(const SuiteSparse_long* permutation, std::int64_t size) {
+  std::vector<char> seen(static_cast<std::size_t>(size), 0);
+  double sign = 1.0;
+  for (std::int64_t first = 0; first < size; ++first) {
+    std::int64_t length = 0;
+    for (std::int64_t i = first; seen[static_cast<std::size_t>(i)] == 0; i = permutation[i], ++length)
+      seen[static_cast<std::size_t>(i)] = 1;
+    if (length > 0 && length % 2 == 0) sign = -sign;
+  }
+  return sign;
+}
+
 }  // namespace
 
-struct Klu::Data {
+template <class Scalar>
+struct BasicKlu<Scalar>::Data {
   klu_l_common common{};
   klu_l_symbolic* symbolic = nullptr;
   klu_l_numeric* numeric = nullptr;
@@ -34,21 +84,29 @@ struct Klu::Data {
     common.btf = 0;
   }
   ~Data() {
-    klu_l_free_numeric(&numeric, &common);
+    Calls<Scalar>::free_numeric(&numeric, &common);
     klu_l_free_symbolic(&symbolic, &common);
   }
   Data(const Data&) = delete;
   Data& operator=(const Data&) = delete;
 };
 
-Klu::Klu() : data_(std::make_unique<Data>()) {}
-Klu::~Klu() = default;
-Klu::Klu(Klu&&) noexcept = default;
-Klu& Klu::operator=(Klu&&) noexcept = default;
+template <class Scalar>
+BasicKlu<Scalar>::BasicKlu() : data_(std::make_unique<Data>()) {}
+template <class Scalar>
+BasicKlu<Scalar>::~BasicKlu() = default;
+template <class Scalar>
+BasicKlu<Scalar>::BasicKlu(BasicKlu&&) noexcept = default;
+template <class Scalar>
+BasicKlu<Scalar>& BasicKlu<Scalar>::operator=(BasicKlu&&) noexcept = default;
 
-bool Klu::analyzed() const { return data_->symbolic != nullptr; }
+template <class Scalar>
+bool BasicKlu<Scalar>::analyzed() const {
+  return data_->symbolic != nullptr;
+}
 
-void Klu::analyze(const CscView& matrix) {
+template <class Scalar>
+void BasicKlu<Scalar>::analyze(const View& matrix) {
   data_ = std::make_unique<Data>();
   data_->size = matrix.rows;
   if (matrix.rows == 0) return;
@@ -57,44 +115,69 @@ void Klu::analyze(const CscView& matrix) {
   if (data_->symbolic == nullptr && data_->common.status == KLU_OUT_OF_MEMORY) throw std::bad_alloc();
 }
 
-bool Klu::factor(const CscView& matrix) {
+template <class Scalar>
+bool BasicKlu<Scalar>::factor(const View& matrix) {
+  using Call = Calls<Scalar>;
   Data& d = *data_;
   if (d.size == 0) return true;
   if (d.symbolic == nullptr) return false;
   if (d.numeric != nullptr) {
-    const bool done = klu_l_refactor(indices(matrix.start), indices(matrix.row), writable(matrix.value), d.symbolic,
+    const bool done = Call::refactor(indices(matrix.start), indices(matrix.row), doubles(matrix.value), d.symbolic,
                                      d.numeric, &d.common) != 0;
-    if (done && d.common.status == KLU_OK && klu_l_rcond(d.symbolic, d.numeric, &d.common) != 0 &&
+    if (done && d.common.status == KLU_OK && Call::reciprocal_condition(d.symbolic, d.numeric, &d.common) != 0 &&
         d.common.rcond > least_reciprocal_condition) {
       return true;
     }
-    klu_l_free_numeric(&d.numeric, &d.common);
+    Call::free_numeric(&d.numeric, &d.common);
   }
-  d.numeric = klu_l_factor(indices(matrix.start), indices(matrix.row), writable(matrix.value), d.symbolic, &d.common);
+  d.numeric =
+      Call::factor(indices(matrix.start), indices(matrix.row), doubles(matrix.value), d.symbolic, &d.common);
   if (d.common.status == KLU_OUT_OF_MEMORY) throw std::bad_alloc();
   if (d.numeric == nullptr || d.common.status == KLU_SINGULAR) {
-    klu_l_free_numeric(&d.numeric, &d.common);
+    Call::free_numeric(&d.numeric, &d.common);
     return false;
   }
   return true;
 }
 
-std::int64_t Klu::singular_column() const { return data_->common.singular_col; }
-
-void Klu::solve(std::span<double> rhs, std::int64_t count) const {
-  if (data_->size == 0 || count == 0) return;
-  klu_l_solve(data_->symbolic, data_->numeric, data_->size, count, rhs.data(), &data_->common);
+template <class Scalar>
+std::int64_t BasicKlu<Scalar>::singular_column() const {
+  return data_->common.singular_col;
 }
 
-void Klu::solve_transposed(std::span<double> rhs, std::int64_t count) const {
+template <class Scalar>
+void BasicKlu<Scalar>::solve(std::span<Scalar> rhs, std::int64_t count) const {
   if (data_->size == 0 || count == 0) return;
-  klu_l_tsolve(data_->symbolic, data_->numeric, data_->size, count, rhs.data(), &data_->common);
+  Calls<Scalar>::solve(data_->symbolic, data_->numeric, data_->size, count, doubles(rhs.data()), &data_->common);
 }
 
-double Klu::condition(const CscView& matrix) const {
+template <class Scalar>
+void BasicKlu<Scalar>::solve_transposed(std::span<Scalar> rhs, std::int64_t count) const {
+  if (data_->size == 0 || count == 0) return;
+  Calls<Scalar>::solve_transposed(data_->symbolic, data_->numeric, data_->size, count, doubles(rhs.data()),
+                                  &data_->common);
+}
+
+template <class Scalar>
+double BasicKlu<Scalar>::condition(const View& matrix) const {
   if (data_->size == 0) return 1.0;
-  klu_l_condest(indices(matrix.start), writable(matrix.value), data_->symbolic, data_->numeric, &data_->common);
+  Calls<Scalar>::condition(indices(matrix.start), doubles(matrix.value), data_->symbolic, data_->numeric,
+                           &data_->common);
   return data_->common.condest;
 }
+
+template <class Scalar>
+Scalar BasicKlu<Scalar>::determinant_phase() const {
+  const Data& d = *data_;
+  if (d.size == 0) return 1.0;
+  // P R^-1 A Q = L U with a unit L and positive row scales R; without block triangular form U is one block.
+  const auto* diagonal = static_cast<const Scalar*>(d.numeric->Udiag);
+  Scalar phase = parity(d.numeric->Pnum, d.size) * parity(d.symbolic->Q, d.size);
+  for (std::int64_t k = 0; k < d.size; ++k) phase *= diagonal[k] / std::abs(diagonal[k]);
+  return phase;
+}
+
+template class BasicKlu<double>;
+template class BasicKlu<std::complex<double>>;
 
 }  // namespace bramah::sparse

@@ -1,6 +1,7 @@
 // Sparse LU of a square matrix by KLU: analysed once for its pattern, factored again for every set of values.
 #pragma once
 
+#include <complex>
 #include <memory>
 #include <span>
 #include <vector>
@@ -9,30 +10,42 @@
 
 namespace bramah::sparse {
 
-class Klu {
+/// Scalar is double or std::complex<double>.
+template <class Scalar>
+class BasicKlu {
  public:
-  Klu();
-  ~Klu();
-  Klu(Klu&&) noexcept;
-  Klu& operator=(Klu&&) noexcept;
+  using View = BasicCscView<Scalar>;
+
+  BasicKlu();
+  ~BasicKlu();
+  BasicKlu(BasicKlu&&) noexcept;
+  BasicKlu& operator=(BasicKlu&&) noexcept;
 
   /// Analyses the pattern: COLAMD without block triangular form, whose matching is quadratic on closed loops.
-  void analyze(const CscView& matrix);
+  void analyze(const View& matrix);
   /// Factors with fresh pivots, or reuses the last pivots and falls back where they have become bad. False: singular.
-  bool factor(const CscView& matrix);
+  bool factor(const View& matrix);
   /// Column of the first zero pivot after factor returned false.
   [[nodiscard]] std::int64_t singular_column() const;
   /// Solves A X = B in place, B (n x count) column-major; at least `n` rows apart.
-  void solve(std::span<double> rhs, std::int64_t count = 1) const;
+  void solve(std::span<Scalar> rhs, std::int64_t count = 1) const;
   /// Solves A^T X = B in place.
-  void solve_transposed(std::span<double> rhs, std::int64_t count = 1) const;
+  void solve_transposed(std::span<Scalar> rhs, std::int64_t count = 1) const;
   /// Estimate of the 1-norm condition number of the last factored matrix.
-  [[nodiscard]] double condition(const CscView& matrix) const;
+  [[nodiscard]] double condition(const View& matrix) const;
+  /// det A / |det A| of the last factored matrix.
+  [[nodiscard]] Scalar determinant_phase() const;
   [[nodiscard]] bool analyzed() const;
 
  private:
   struct Data;
   std::unique_ptr<Data> data_;
 };
+
+using Klu = BasicKlu<double>;
+using ComplexKlu = BasicKlu<std::complex<double>>;
+
+extern template class BasicKlu<double>;
+extern template class BasicKlu<std::complex<double>>;
 
 }  // namespace bramah::sparse

@@ -107,6 +107,14 @@ class OptionReader {
     result = *read;
   }
 
+  void flag(const Value& value, const std::string& where, bool& result) {
+    if (value.boolean() != nullptr) {
+      result = *value.boolean();
+    } else {
+      faults_.add("wrong-kind", where, named(where) + " is " + description(value), "true or false", "write one of them");
+    }
+  }
+
   void numbers(const Value& value, const std::string& where, std::string_view unit, std::vector<double>& result) {
     if (value.list() == nullptr) {
       faults_.add("wrong-kind", where, named(where) + " is " + description(value),
@@ -377,6 +385,47 @@ void OptionReader::swept(const Value& root, const Value& section, const std::str
   over.push_back(std::move(swept));
 }
 
+void read_modes(const Value& root, OptionReader& reader, Faults& faults, ModesOptions& modes) {
+  std::vector<std::string> selections;
+  const auto selects = [&](const std::string& key, ModesOptions::Select select) {
+    selections.push_back(key);
+    modes.select = select;
+  };
+  reader.section(root, "modes", {"count", "shift", "band", "within", "prove"},
+                 [&](const std::string& key, const Value& value, const std::string& where) {
+                   if (key == "count") {
+                     selects(key, ModesOptions::Select::nearest);
+                     double count = 0.0;
+                     reader.number(value, where, "1", 1.0, count, false);
+                     modes.count = static_cast<Index>(std::min(count, 1e6));
+                   } else if (key == "shift") {
+                     reader.number(value, where, "1/s", 0.0, modes.shift, true);
+                   } else if (key == "within") {
+                     selects(key, ModesOptions::Select::within);
+                     reader.number(value, where, "1/s", 0.0, modes.within, true);
+                   } else if (key == "band") {
+                     selects(key, ModesOptions::Select::band);
+                     std::vector<double> ends;
+                     reader.numbers(value, where, "Hz", ends);
+                     if (ends.size() == 2 && ends[0] >= 0.0 && ends[1] > ends[0]) {
+                       modes.band_from = ends[0];
+                       modes.band_to = ends[1];
+                     } else {
+                       faults.add("out-of-range", where, "\"band\" is " + description(value), "two frequencies, the lower first",
+                                  "write [\"1 Hz\", \"5 Hz\"]");
+                     }
+                   } else {
+                     reader.flag(value, where, modes.prove);
+                   }
+                 });
+  if (root.find("modes") != nullptr && selections.size() != 1) {
+    faults.add("wrong-choice", "/modes", selections.empty() ? "\"modes\" without a selection" : "\"modes\" with several selections: " + quoted_list(selections),
+               "one of: \"count\", \"band\", \"within\"", selections.empty() ? "add one, or remove \"modes\" to have all modes" : "keep one of them");
+  }
+  if (modes.shift > 0.0 && modes.select != ModesOptions::Select::nearest)
+    faults.add("wrong-choice", "/modes/shift", "\"shift\" without \"count\"", "a shift for the nearest modes only", "remove it");
+}
+
 }  // namespace
 
 void read_options(const Value& root, const System& system, Numbers& numbers, Faults& faults, Options& options) {
@@ -433,13 +482,18 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
 
   LinearizeOptions& linearize = options.linearize;
   linearize.asked = root.find("linearize") != nullptr;
-  reader.section(root, "linearize", {"at", "independent", "admissible_dependent", "side", "times"},
+  reader.section(root, "linearize", {"at", "form", "independent", "admissible_dependent", "side", "times"},
                  [&](const std::string& key, const Value& value, const std::string& where) {
                    if (key == "at") {
                      reader.word<LinearizeOptions::At>(
                          value, where,
                          {{"equilibrium", LinearizeOptions::At::equilibrium}, {"start", LinearizeOptions::At::start}},
                          linearize.at);
+                   } else if (key == "form") {
+                     reader.word<LinearizeOptions::Form>(value, where,
+                                                         {{"reduced", LinearizeOptions::Form::reduced},
+                                                          {"descriptor", LinearizeOptions::Form::descriptor}},
+                                                         linearize.form);
                    } else if (key == "independent") {
                      reader.variables(value, where, linearize.prescribed.independent, nullptr);
                    } else if (key == "admissible_dependent") {
@@ -463,6 +517,8 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
     faults.add("out-of-range", "/linearize/times", "\"times\" that go back or leave the simulation",
                "ascending times between from_time and to_time of \"simulate\"", "sort them, or simulate longer");
   }
+
+  read_modes(root, reader, faults, options.modes);
 
   reader.section(root, "compare", {"steps"}, [&](const std::string&, const Value& value, const std::string& where) {
     reader.numbers(value, where, "1", options.compare.steps);

@@ -40,11 +40,24 @@ struct Prescribed {
 
 struct LinearizeOptions {
   enum class At { equilibrium, start };
+  enum class Form { reduced, descriptor };
   At at = At::equilibrium;
   bool asked = false;
+  Form form = Form::reduced;
   Prescribed prescribed;
   int side = 1;               // one-sided derivatives at switching points
   std::vector<double> times;  // along the simulation, ascending; empty: only the reference state
+};
+
+/// Selected modes of large systems; where nothing is asked for, all modes are found.
+struct ModesOptions {
+  enum class Select { all, nearest, band, within };
+  Select select = Select::all;
+  Index count = 0;                       // nearest: how many, conjugates counted once
+  double shift = 0.0;                    // nearest to it, 1/s; 0: chosen
+  double band_from = 0.0, band_to = 0.0;  // Hz
+  double within = 0.0;                   // |s| below, 1/s
+  bool prove = true;                     // that none was missed
 };
 
 struct StudyOptions {
@@ -70,6 +83,7 @@ struct Options {
   EquilibriumOptions equilibrium;
   SimulateOptions simulate;
   LinearizeOptions linearize;
+  ModesOptions modes;
   CompareOptions compare;
   StudyOptions study;
   SweepOptions sweep;

@@ -1,0 +1,146 @@
+#include "linear/descriptor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "system/analysis_error.hpp"
+#include "system/message.hpp"
+
+namespace bramah {
+namespace {
+
+constexpr double moving = 1e-9;  // d(D v0)/dx against D, per second: below it, the constraints stand still
+
+}  // namespace
+
+Descriptor::Descriptor(const System& system, std::span<const Index> rows)
+    : system_(system), rows_(rows.begin(), rows.end()), blocks_(system) {
+  const Index n = system.n(), nz = system.nz(), count = static_cast<Index>(rows_.size()), m = system.m(), all = n + count + nz;
+  holonomic_ = std::count_if(rows_.begin(), rows_.end(), [&](Index row) { return row < m; });
+  states_ = 2 * n - holonomic_ - count + nz;
+
+  const std::vector<Index> x = shifted(n, 0), z = shifted(nz, n + count);
+  const std::vector<Index> constraints = selected(m + system.l(), rows_, n);
+  const std::vector<Index> c(constraints.begin(), constraints.begin() + m);
+  std::vector<Index> b(constraints.size(), -1);  // nonholonomic rows alone
+  std::copy(constraints.begin() + m, constraints.end(), b.begin() + m);
+  std::vector<Index> zu(static_cast<std::size_t>(nz + system.nu()), -1);  // inputs stand still
+  std::copy(z.begin(), z.end(), zu.begin());
+  const Term terms[] = {{BRAMAH_F_X, x, x, false, 0},  {BRAMAH_L_X, x, x, false, 0},  {BRAMAH_F_V, x, x, false, 1},
+                        {BRAMAH_F_A, x, x, false, 2},  {BRAMAH_F_Z, x, zu, false, 0}, {BRAMAH_F_U, x, zu, false, 0},
+                        {BRAMAH_C_X, c, x, false, 0},  {BRAMAH_R_X, b, x, false, 0},  {BRAMAH_R_V, b, x, false, 1},
+                        {BRAMAH_R_V, constraints, x, true, 0},
+                        {BRAMAH_G_X, z, x, false, 0},  {BRAMAH_G_V, z, x, false, 1},  {BRAMAH_G_Z, z, zu, false, 0},
+                        {BRAMAH_G_U, z, zu, false, 0}, {BRAMAH_G_ZDOT, z, z, false, 1}};
+  plan_ = SparsePlan(system, all, all, terms);
+  const Term rate[] = {{BRAMAH_R_X, c, x, false, 0}};
+  rate_ = SparsePlan(system, all, n, rate);
+}
+
+void Descriptor::evaluate(const State& state) {
+  const Request request = Request{}.blocks({BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_L_X,
+                                            BRAMAH_G_X, BRAMAH_G_V, BRAMAH_G_Z, BRAMAH_G_ZDOT, BRAMAH_G_U, BRAMAH_C_X,
+                                            BRAMAH_R_X, BRAMAH_R_V});
+  const Outcome outcome = blocks_.evaluate(system_, state, request);
+  if (!outcome.ok())
+    throw AnalysisError("linearize", outcome.message, "a state at which every component can be evaluated",
+                        "linearize elsewhere");
+  for (std::size_t power = 0; power < 3; ++power) {
+    double weights[3] = {};
+    weights[power] = 1.0;
+    plan_.fill(blocks_, weights);
+    coefficient_[power].assign(plan_.values().begin(), plan_.values().end());
+  }
+
+  changing_.clear();
+  const double one = 1.0;
+  rate_.fill(blocks_, {&one, 1});
+  for (std::size_t e = 0; e < rate_.values().size(); ++e) {
+    if (std::abs(rate_.values()[e]) <= moving) continue;
+    const Index row = rows_[static_cast<std::size_t>(rate_.row()[e] - n())];
+    changing_ = "the coefficients of constraint " + system_.constraint(row).name + " change at the reference by " +
+                digits(rate_.values()[e]) + " per second";
+    break;
+  }
+
+  nominal_.assign(static_cast<std::size_t>(size()), 0.0);
+  for (std::size_t i = 0; i < system_.x.size(); ++i) nominal_[i] = system_.x[i].nominal;
+  for (std::size_t i = 0; i < system_.z.size(); ++i)
+    nominal_[static_cast<std::size_t>(n() + row_count()) + i] = system_.z[i].nominal;
+  // A multiplier as large as it takes to move a row's largest inertia, damping or stiffness.
+  Vector force(static_cast<std::size_t>(n()), 0.0);
+  const auto each = [&](auto&& visit) {
+    for (Index j = 0; j < size(); ++j) {
+      for (Index e = plan_.start()[static_cast<std::size_t>(j)]; e < plan_.start()[static_cast<std::size_t>(j) + 1]; ++e)
+        visit(static_cast<std::size_t>(plan_.row()[static_cast<std::size_t>(e)]), static_cast<std::size_t>(j), static_cast<std::size_t>(e));
+    }
+  };
+  const auto entry = [&](std::size_t e) { return std::max({std::abs(coefficient_[0][e]), std::abs(coefficient_[1][e]), std::abs(coefficient_[2][e])}); };
+  const auto first_row = static_cast<std::size_t>(n()), last_row = first_row + rows_.size();
+  each([&](std::size_t row, std::size_t column, std::size_t e) {
+    if (row < first_row && (column < first_row || column >= last_row)) force[row] = std::max(force[row], entry(e) * nominal_[column]);
+  });
+  each([&](std::size_t row, std::size_t column, std::size_t e) {
+    if (row < first_row && column >= first_row && column < last_row && coefficient_[0][e] != 0.0)
+      nominal_[column] = std::max(nominal_[column], force[row] / std::abs(coefficient_[0][e]));
+  });
+  for (std::size_t i = first_row; i < last_row; ++i) nominal_[i] = nominal_[i] > 0.0 ? nominal_[i] : 1.0;
+}
+
+void Descriptor::require_constant() const {
+  if (changing_.empty()) return;
+  throw AnalysisError("linearize", changing_,
+                      "an equilibrium, or a steady motion along which all coefficients are constant, for the sparse form",
+                      "use the reduced model, which is exact at every state");
+}
+
+sparse::CscView Descriptor::coefficient(int power) const { return view(coefficient_[power]); }
+
+void Descriptor::at(double s, std::vector<double>& values) const {
+  values.resize(coefficient_[0].size());
+  for (std::size_t e = 0; e < values.size(); ++e)
+    values[e] = coefficient_[0][e] + s * (coefficient_[1][e] + s * coefficient_[2][e]);
+}
+void Descriptor::at(std::complex<double> s, std::vector<std::complex<double>>& values) const {
+  values.resize(coefficient_[0].size());
+  for (std::size_t e = 0; e < values.size(); ++e)
+    values[e] = coefficient_[0][e] + s * (coefficient_[1][e] + s * coefficient_[2][e]);
+}
+
+std::string Descriptor::unknown_name(Index i) const {
+  if (i < n()) return system_.x[static_cast<std::size_t>(i)].name;
+  if (i < n() + row_count()) return system_.multiplier_name(rows_[static_cast<std::size_t>(i - n())]);
+  return system_.z[static_cast<std::size_t>(i - n() - row_count())].name;
+}
+
+FirstOrderForm first_order_form(const Descriptor& descriptor) {
+  const Index n = descriptor.n();
+  FirstOrderForm matrices;
+  for (Index i = 0; i < n; ++i) {  // dx/dt = v
+    matrices.E.push_back({i, i, 1.0});
+    matrices.A.push_back({i, n + i, 1.0});
+  }
+  const sparse::CscView P[3] = {descriptor.coefficient(0), descriptor.coefficient(1), descriptor.coefficient(2)};
+  for (Index j = 0; j < descriptor.size(); ++j) {
+    for (Index e = P[0].start[j]; e < P[0].start[j + 1]; ++e) {
+      const Index row = n + P[0].row[e];
+      const bool coordinate = j < n;
+      const auto add = [&](std::vector<Entry>& to, Index column, double value) {
+        if (value != 0.0) to.push_back({row, column, value});
+      };
+      add(matrices.A, coordinate ? j : n + j, -P[0].value[e]);
+      if (coordinate) {
+        add(matrices.A, n + j, -P[1].value[e]);
+        add(matrices.E, n + j, P[2].value[e]);
+      } else {
+        add(matrices.E, n + j, P[1].value[e]);
+      }
+    }
+  }
+  for (Index i = 0; i < n; ++i) matrices.states.push_back(descriptor.unknown_name(i));
+  for (Index i = 0; i < n; ++i) matrices.states.push_back(descriptor.unknown_name(i) + ".rate");
+  for (Index i = n; i < descriptor.size(); ++i) matrices.states.push_back(descriptor.unknown_name(i));
+  return matrices;
+}
+
+}  // namespace bramah
