@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "sparse/rank_lu.hpp"
+#include "system/analysis_error.hpp"
 
 namespace bramah {
 namespace {
@@ -75,7 +76,10 @@ ZeroPrediction predict_zeros(const Descriptor& descriptor) {
   Index before = 0;
   for (int k = 1;; ++k) {
     const Index nullity = toeplitz.nullity(k, prediction);
-    if (nullity == before || k > 3) break;
+    if (nullity == before) break;
+    if (nullity > descriptor.states())
+      throw AnalysisError("modes", "det P(s) is zero at every s", "independent constraint rows, and mass for every motion that they leave free",
+                          "run `bramah linearize` on the scene: it names what is redundant or without mass");
     at_least.push_back(nullity - before);
     before = nullity;
   }

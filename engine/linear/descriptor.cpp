@@ -80,11 +80,22 @@ void Descriptor::evaluate(const State& state) {
   each([&](std::size_t row, std::size_t column, std::size_t e) {
     if (row < first_row && (column < first_row || column >= last_row)) force[row] = std::max(force[row], entry(e) * nominal_[column]);
   });
+  Vector coefficient(static_cast<std::size_t>(size()), 0.0);
   each([&](std::size_t row, std::size_t column, std::size_t e) {
-    if (row < first_row && column >= first_row && column < last_row && coefficient_[0][e] != 0.0)
-      nominal_[column] = std::max(nominal_[column], force[row] / std::abs(coefficient_[0][e]));
+    if (row >= first_row || column < first_row || column >= last_row) return;
+    const double c = std::abs(coefficient_[0][e]);
+    nominal_[column] = std::max(nominal_[column], force[row] * c);
+    coefficient[column] = std::max(coefficient[column], c);
   });
-  for (std::size_t i = first_row; i < last_row; ++i) nominal_[i] = nominal_[i] > 0.0 ? nominal_[i] : 1.0;
+  // Never rounding beside the forces of others: a thin rod has no inertia about its own axis.
+  constexpr double least = 1e-6;
+  double largest = 0.0;
+  for (std::size_t i = first_row; i < last_row; ++i) {
+    if (coefficient[i] > 0.0) nominal_[i] /= coefficient[i] * coefficient[i];
+    largest = std::max(largest, nominal_[i]);
+  }
+  for (std::size_t i = first_row; i < last_row; ++i)
+    nominal_[i] = largest > 0.0 ? std::max(nominal_[i], least * largest) : 1.0;
 }
 
 void Descriptor::require_constant() const {

@@ -243,14 +243,10 @@ Eigen::MatrixXcd all_at_once(const ShiftInvert& op, Index wanted) {
 
 /// Takes `wanted` eigenvalues nearest to the shift, conjugates counted, into `result`.
 void iterate(const Descriptor& descriptor, ShiftInvert& op, Index wanted, Eigenpairs& result) {
-  constexpr double good = 1e-13;  // residual
   wanted = std::min(wanted, descriptor.states());
   if (wanted == 0) return;
   const Index basis = wanted + std::max<Index>(wanted / 2, 20);
   const Eigen::MatrixXcd vectors = basis < op.rows() ? by_arnoldi(op, wanted, basis) : all_at_once(op, wanted);
-  const RowScaled scaled(descriptor);
-  const VectorXd nominal = Eigen::Map<const VectorXd>(descriptor.nominal().data(), descriptor.size());
-  Factors<Complex> factors(descriptor);
   for (Index k = 0; k < vectors.cols(); ++k) {
     const VectorXcd X = vectors.col(k);
     Eigenpair pair;
@@ -259,15 +255,6 @@ void iterate(const Descriptor& descriptor, ShiftInvert& op, Index wanted, Eigenp
     pair.eigenvalue = result.shift - next.dot(X) / next.squaredNorm();  // next = X / (shift - s)
     if (std::abs(pair.eigenvalue.imag()) <= 1e-12 * std::abs(pair.eigenvalue)) pair.eigenvalue.imag(0.0);
     if (pair.eigenvalue.imag() < 0.0 && result.shift.imag() >= 0.0) continue;  // its partner tells the same
-    pair.residual = backward_error(descriptor, scaled, pair.eigenvalue, pair.vector);
-    // A defective zero would only be driven about; it is told by ranks.
-    if (pair.residual > good && std::abs(pair.eigenvalue) > 1e-3 * std::abs(result.shift)) {
-      polish(descriptor, factors, nominal, pair);
-      pair.residual = backward_error(descriptor, scaled, pair.eigenvalue, pair.vector);
-    }
-    Index largest = 0;
-    pair.vector.cwiseQuotient(nominal).cwiseAbs().maxCoeff(&largest);
-    pair.vector *= nominal(largest) / pair.vector(largest);
     result.pairs.push_back(std::move(pair));
   }
   std::stable_sort(result.pairs.begin(), result.pairs.end(), [&](const Eigenpair& a, const Eigenpair& b) {
@@ -290,6 +277,25 @@ void take_zeros(Eigenpairs& result, Index zeros) {
   std::stable_sort(result.pairs.begin(), result.pairs.end(), [&](const Eigenpair& a, const Eigenpair& b) {
     return std::abs(a.eigenvalue - result.shift) < std::abs(b.eigenvalue - result.shift);
   });
+}
+
+/// Residuals and scales of all pairs, and a step of Newton's method where the iteration left digits: where the residual
+/// is large, and where the eigenvalue is small beside the shift that it was a difference to.
+void finish(const Descriptor& descriptor, Eigenpairs& result) {
+  constexpr double good = 1e-13, small = 0.02;
+  const RowScaled scaled(descriptor);
+  const VectorXd nominal = Eigen::Map<const VectorXd>(descriptor.nominal().data(), descriptor.size());
+  Factors<Complex> factors(descriptor);
+  for (Eigenpair& pair : result.pairs) {
+    pair.residual = backward_error(descriptor, scaled, pair.eigenvalue, pair.vector);
+    if (pair.residual > good || std::abs(pair.eigenvalue) < small * std::abs(result.shift)) {
+      polish(descriptor, factors, nominal, pair);
+      pair.residual = backward_error(descriptor, scaled, pair.eigenvalue, pair.vector);
+    }
+    Index largest = 0;
+    pair.vector.cwiseQuotient(nominal).cwiseAbs().maxCoeff(&largest);
+    pair.vector *= nominal(largest) / pair.vector(largest);
+  }
 }
 
 /// Proves that the disk holds no eigenvalue beside pairs and zeros.
@@ -320,6 +326,7 @@ Eigenpairs find_nearest(const Descriptor& descriptor, Index count, double shift,
     iterate(descriptor, op, 2 * (count + 1) + zeros, result);
     if (zeros > 0) take_zeros(result, zeros);
   }
+  finish(descriptor, result);
   const auto kept = std::min(static_cast<std::size_t>(count), result.pairs.size());
   const auto distance = [&](std::size_t k) { return std::abs(result.pairs[k].eigenvalue - result.shift); };
   result.disk.centre = result.shift;
@@ -347,6 +354,7 @@ Eigenpairs find_inside(const Descriptor& descriptor, const Disk& disk, Index zer
   }
   result.disk = disk;
   if (disk.contains(0.0) && zeros > 0) take_zeros(result, zeros);
+  finish(descriptor, result);
   if (proof == Proof::wanted) prove(descriptor, result);
   std::erase_if(result.pairs, [&](const Eigenpair& pair) { return !disk.contains(pair.eigenvalue); });
   result.solves = op.solves();

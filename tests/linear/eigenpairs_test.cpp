@@ -45,8 +45,9 @@ struct Both {
   std::vector<Complex> dense;  // nonzero, one of each conjugate pair
 };
 
-// Backward stable on both sides: what remains is rounding times the condition of each eigenvalue, up to 350 here.
-constexpr double agreement = 2e-11;
+// Backward stable on both sides: what remains is rounding times the condition of each eigenvalue, and for the vehicle's
+// slow ones beside fast ones, 0.0076 beside 1e3, what QR loses there.
+constexpr double agreement = 1e-9;
 
 void expect_same(const Eigenpairs& found, std::vector<Complex> expected) {
   EXPECT_EQ(found.pairs.size(), expected.size());
