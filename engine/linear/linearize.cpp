@@ -39,6 +39,7 @@ Linearizer::Linearizer(const System& system, Partition partition, std::vector<Me
       partition_(std::move(partition)),
       outputs_(std::move(outputs)),
       blocks_(system),
+      moving_(system),
       kkt_(system, partition_.rows) {
   const Index n = system.n(), nz = system.nz(), nu = system.nu(), zu = nz + nu;
   const Index rows = static_cast<Index>(partition_.rows.size()), m = partition_.holonomic;
@@ -112,18 +113,34 @@ Linearizer::Linearizer(const System& system, Partition partition, std::vector<Me
   for (const Measured& y : outputs_) output_names_.push_back({y.name, y.unit});
 }
 
+namespace {
+
+Request model_blocks() {
+  return Request{}.blocks({BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_G_X, BRAMAH_G_V, BRAMAH_G_Z,
+                           BRAMAH_G_ZDOT, BRAMAH_G_U, BRAMAH_C_X, BRAMAH_R_X, BRAMAH_R_V, BRAMAH_S_X, BRAMAH_S_V,
+                           BRAMAH_L_X});
+}
+
+[[noreturn]] void cannot_evaluate(const Outcome& outcome) {
+  throw AnalysisError("linearize", outcome.message, "a state at which every component can be evaluated",
+                      "linearize elsewhere");
+}
+
+}  // namespace
+
 void Linearizer::evaluate(const State& state) {
-  Request request = Request{}.rows("fgcrs").blocks(
-      {BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_G_X, BRAMAH_G_V, BRAMAH_G_Z, BRAMAH_G_ZDOT,
-       BRAMAH_G_U, BRAMAH_C_X, BRAMAH_R_X, BRAMAH_R_V, BRAMAH_S_X, BRAMAH_S_V, BRAMAH_L_X});
+  Request request = model_blocks().rows("fgcrs");
   if (!outputs_.empty()) request.blocks({BRAMAH_Y_X, BRAMAH_Y_V, BRAMAH_Y_A, BRAMAH_Y_Z, BRAMAH_Y_U, BRAMAH_Y_LAMBDA});
   const Outcome outcome = blocks_.evaluate(system_, state, request);
-  if (!outcome.ok())
-    throw AnalysisError("linearize", outcome.message, "a state at which every component can be evaluated",
-                        "linearize elsewhere");
+  if (!outcome.ok()) cannot_evaluate(outcome);
   fill(loads_, blocks_);
   check_consistent();
   kkt_.factor(blocks_);
+}
+
+void Linearizer::evaluate_along(const State& state, const Direction& along, const Request& request) {
+  const Outcome outcome = moving_.evaluate_along(system_, state, along, request);
+  if (!outcome.ok()) cannot_evaluate(outcome);
 }
 
 /// Eqs. (16)-(20) and the acceleration rows: each row against the size of the terms that it balances.
@@ -370,6 +387,87 @@ void LinearizerAlong::choose(const State& state, LinearModel& model) {
   conditions_ = linearizer_->conditions();
   when_chosen_ = conditions_.worst();
   ++choices_;
+}
+
+void Linearizer::complete(const State& state, Direction& along) {
+  const auto n = static_cast<std::size_t>(system_.n()), nz = static_cast<std::size_t>(system_.nz());
+  const std::size_t rows = partition_.rows.size(), m = partition_.d.size();
+  State& moves = along.state;
+  const auto coordinate = [&](std::size_t i) {  // in the order of D_dd's columns: x_d, then x_ad
+    return static_cast<std::size_t>(i < m ? partition_.d[i] : partition_.ad[i - m]);
+  };
+  // C_xd dx_d = -(dc with dx_d = 0), and so on level by level.
+  Vector right(rows);
+  for (std::size_t i = 0; i < m; ++i) moves.x[coordinate(i)] = 0.0;
+  evaluate_along(state, along, Request{}.rows("c"));
+  for (std::size_t i = 0; i < m; ++i) right[i] = -moving_.c[static_cast<std::size_t>(partition_.rows[i])];
+  lu_C_xd_.solve({right.data(), m});
+  for (std::size_t i = 0; i < m; ++i) moves.x[coordinate(i)] = right[i];
+
+  for (std::size_t i = 0; i < rows; ++i) moves.v[coordinate(i)] = 0.0;
+  evaluate_along(state, along, Request{}.rows("r"));
+  for (std::size_t i = 0; i < rows; ++i) right[i] = -moving_.r[static_cast<std::size_t>(partition_.rows[i])];
+  lu_D_dd_.solve(right);
+  for (std::size_t i = 0; i < rows; ++i) moves.v[coordinate(i)] = right[i];
+
+  std::fill_n(moves.a.begin(), n, 0.0);
+  std::fill_n(moves.zdot.begin(), nz, 0.0);
+  std::fill(moves.lambda.begin(), moves.lambda.end(), 0.0);
+  evaluate_along(state, along, Request{}.rows("fgs"));
+  Vector follows(n + rows + nz);
+  for (std::size_t i = 0; i < n; ++i) follows[i] = -moving_.f[i];
+  for (std::size_t i = 0; i < rows; ++i)
+    follows[n + i] = -moving_.s[static_cast<std::size_t>(partition_.rows[i])];
+  for (std::size_t i = 0; i < nz; ++i) follows[n + rows + i] = -moving_.g[i];
+  kkt_.solve(follows);
+  std::copy_n(follows.begin(), n, moves.a.begin());
+  for (std::size_t i = 0; i < rows; ++i) moves.lambda[static_cast<std::size_t>(partition_.rows[i])] = follows[n + i];
+  std::copy_n(follows.begin() + static_cast<std::ptrdiff_t>(n + rows), nz, moves.zdot.begin());
+}
+
+/// Every step of `linearize`, differentiated by the product rule; what x_ai, v_ai, x_ad, z and u move stays 1.
+MatrixXd Linearizer::derivative(const State& state, const Direction& along) {
+  evaluate_along(state, along, model_blocks());
+  const auto moved = [&](const SparsePlan& of) {
+    SparsePlan plan = of;
+    fill(plan, moving_);
+    return plan;
+  };
+  const SparsePlan dC_x = moved(C_x_), dD = moved(D_), dD_rate = moved(D_rate_), dloads = moved(loads_),
+                   dkkt = moved(kkt_.matrix());
+  const Index n = system_.n(), nz = system_.nz();
+  const auto k = static_cast<Index>(partition_.ai.size()), l = static_cast<Index>(partition_.ad.size()),
+             m = static_cast<Index>(partition_.d.size());
+  const Index states = 2 * k + l + nz, moving_columns = 2 * k + l;
+  const auto place = [](const std::vector<Index>& list, Index i) { return list[static_cast<std::size_t>(i)]; };
+
+  MatrixXd dmotion = MatrixXd::Zero(motion_.rows(), states);
+  auto dx = dmotion.topRows(n), dv = dmotion.middleRows(n, n);
+  const auto x = motion_.topRows(n).leftCols(moving_columns), v = motion_.middleRows(n, n).leftCols(moving_columns);
+  if (m > 0) {  // C_xd dx_d = -dC_x x
+    work_.noalias() = -(matrix(dC_x) * x);
+    lu_C_xd_.solve({work_.data(), static_cast<std::size_t>(work_.size())}, work_.cols());
+    for (Index i = 0; i < m; ++i) dx.row(place(partition_.d, i)).head(moving_columns) = work_.row(i);
+  }
+  if (m + l > 0) {  // D_dd dv_(d, ad) = -(dD v + dD_rate x + D_rate dx)
+    work_.noalias() = -(matrix(dD) * v);
+    work_.noalias() -= matrix(dD_rate) * x;
+    work_.noalias() -= matrix(D_rate_) * dx.leftCols(moving_columns);
+    lu_D_dd_.solve({work_.data(), static_cast<std::size_t>(work_.size())}, work_.cols());
+    for (Index i = 0; i < m; ++i) dv.row(place(partition_.d, i)).head(moving_columns) = work_.row(i);
+    for (Index i = 0; i < l; ++i) dv.row(place(partition_.ad, i)).head(moving_columns) = work_.row(m + i);
+  }
+  // KKT dresponse = -(dloads motion + loads dmotion + dKKT response)
+  MatrixXd dresponse = -(matrix(dloads) * motion_.leftCols(states));
+  dresponse.noalias() -= matrix(loads_) * dmotion;
+  dresponse.noalias() -= matrix(dkkt) * response_.leftCols(states);
+  kkt_.solve({dresponse.data(), static_cast<std::size_t>(dresponse.size())}, dresponse.cols());
+
+  MatrixXd dA = MatrixXd::Zero(states, states);
+  for (Index i = 0; i < k; ++i) dA.row(k + i) = dresponse.row(place(partition_.ai, i));
+  for (Index i = 0; i < l; ++i) dA.row(2 * k + i) = dv.row(place(partition_.ad, i));
+  dA.bottomRows(nz) = dresponse.bottomRows(nz);
+  return dA;
 }
 
 MatrixXd Linearizer::transformation() const {

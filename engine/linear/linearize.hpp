@@ -52,6 +52,13 @@ class Linearizer {
   /// The same for the unreduced Eq. (98), X = (x, v, z), exactly: the Jacobian J of Eq. (99).
   void linearize_augmented(const State& state, LinearModel& model);
 
+  /// Completes a direction in which consistent states move: dx_ai, dv_ai, dx_ad, dz and parameters given, the other
+  /// coordinates and rates, then accelerations, multipliers and rates of first-order variables follow. Like `derivative`,
+  /// after `linearize` at the same state.
+  void complete(const State& state, Direction& along);
+  /// dA/deps, exact, where state and parameters move along a direction that keeps Eqs. (16)-(20) satisfied.
+  [[nodiscard]] Eigen::MatrixXd derivative(const State& state, const Direction& along);
+
   [[nodiscard]] const Partition& partition() const { return partition_; }
   /// How x, v, z, u, (2n + nz + nu), move with each state and input (columns), of the last call.
   [[nodiscard]] const Eigen::MatrixXd& motion() const { return motion_; }
@@ -64,6 +71,7 @@ class Linearizer {
 
  private:
   void evaluate(const State& state);
+  void evaluate_along(const State& state, const Direction& along, const Request& request);
   void check_consistent() const;
   void respond();
   void measure(LinearModel& model, Eigen::Index states) const;
@@ -73,7 +81,7 @@ class Linearizer {
   Partition partition_;
   std::vector<Measured> outputs_;
   std::vector<NamedQuantity> reduced_states_, augmented_states_, input_names_, output_names_;
-  Blocks blocks_;
+  Blocks blocks_, moving_;  // at the state, and their derivatives along a direction
   Kkt kkt_;
   // Operators, assembled from blocks; columns (x, v, z, u) stacked.
   SparsePlan C_x_;     // independent holonomic rows, (m x n)                          Eq. (41)

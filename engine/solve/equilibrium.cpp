@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "solve/assemble.hpp"
 #include "sparse/rank_lu.hpp"
@@ -34,7 +35,7 @@ class Newton {
         {BRAMAH_G_Z, g, z_, false, 0}, {BRAMAH_G_U, g, z_, false, 0},     {BRAMAH_C_X, c, x_, false, 0}};
     plan_ = SparsePlan(system, equations_, unknowns_, terms);
     scale_.assign(static_cast<std::size_t>(unknowns_), 1.0);
-    each_unknown([&](Index column, const Variable* variable, double&) {
+    each_unknown(state_, [&](Index column, const Variable* variable, double&) {
       if (variable != nullptr) scale_[static_cast<std::size_t>(column)] = variable->nominal;
     });
     residual_.resize(static_cast<std::size_t>(equations_));
@@ -51,9 +52,7 @@ class Newton {
     }
     outcome_ = blocks_.evaluate(system_, state_, request);
     if (!outcome_.ok()) return false;
-    auto it = std::copy(blocks_.f.begin(), blocks_.f.end(), residual_.begin());
-    it = std::copy(blocks_.g.begin(), blocks_.g.end(), it);
-    std::copy(blocks_.c.begin(), blocks_.c.end(), it);
+    take_rows(blocks_);
     if (!with_matrix) return true;
     // Multipliers have no nominal: their own size serves, so that a heavy machine is not judged by a unit force.
     for (std::size_t i = 0; i < lambda_.size(); ++i)
@@ -92,6 +91,28 @@ class Newton {
     for (std::size_t i = 0; i < rhs.size(); ++i) rhs[i] = -residual_[i] * row_scale_[i];
     lu_.solve(rhs, step_);
   }
+  /// Completes a direction whose parameters, inputs and held variables move: the others follow so that all rows stay zero.
+  /// False where they cannot. After evaluate and solve.
+  bool follow(Direction& along) {
+    constexpr double enough = 1e-8;  // what may remain of the rows
+    Blocks moving(system_);
+    const auto rows_along = [&] {
+      outcome_ = moving.evaluate_along(system_, state_, along, Request{}.rows("fgc"));
+      if (!outcome_.ok()) return false;
+      take_rows(moving);
+      return true;
+    };
+    if (!rows_along()) return false;
+    const double before = size();
+    solve();
+    each_unknown(along.state, [&](Index column, const Variable*, double& value) {
+      value = step_[static_cast<std::size_t>(column)] * scale_[static_cast<std::size_t>(column)];
+    });
+    double moved = 0.0;
+    for (const double step : step_) moved = std::max(moved, std::abs(step));
+    return rows_along() && size() <= enough * std::max(before, moved);
+  }
+
   /// Largest component of the step, in nominals; multipliers do not count.
   [[nodiscard]] double step_size() const {
     double largest = 0.0;
@@ -101,7 +122,7 @@ class Newton {
     return largest;
   }
   void move(double factor) {
-    each_unknown([&](Index column, const Variable*, double& value) {
+    each_unknown(state_, [&](Index column, const Variable*, double& value) {
       value += factor * step_[static_cast<std::size_t>(column)] * scale_[static_cast<std::size_t>(column)];
     });
   }
@@ -159,7 +180,7 @@ class Newton {
   /// Null vectors of the last factored matrix that move a variable; those of multipliers alone are redundant rows.
   std::vector<FreeDirection> free_directions() {
     std::vector<std::string> names(static_cast<std::size_t>(unknowns_));
-    each_unknown([&](Index column, const Variable* variable, double&) {
+    each_unknown(state_, [&](Index column, const Variable* variable, double&) {
       if (variable != nullptr) names[static_cast<std::size_t>(column)] = variable->name;
     });
     std::vector<FreeDirection> directions;
@@ -193,16 +214,21 @@ class Newton {
       }
     }
   }
+  void take_rows(const Blocks& from) {
+    auto it = std::copy(from.f.begin(), from.f.end(), residual_.begin());
+    it = std::copy(from.g.begin(), from.g.end(), it);
+    std::copy(from.c.begin(), from.c.end(), it);
+  }
   template <class Function>
-  void each_unknown(Function&& function) {
+  void each_unknown(State& state, Function&& function) {
     for (std::size_t i = 0; i < x_.size(); ++i) {
-      if (x_[i] >= 0) function(x_[i], &system_.x[i], state_.x[i]);
+      if (x_[i] >= 0) function(x_[i], &system_.x[i], state.x[i]);
     }
     for (std::size_t i = 0; i < z_.size(); ++i) {
-      if (z_[i] >= 0) function(z_[i], &system_.z[i], state_.z[i]);
+      if (z_[i] >= 0) function(z_[i], &system_.z[i], state.z[i]);
     }
     for (std::size_t i = 0; i < lambda_.size(); ++i)
-      function(lambda_[i], static_cast<const Variable*>(nullptr), state_.lambda[i]);
+      function(lambda_[i], static_cast<const Variable*>(nullptr), state.lambda[i]);
   }
 
   const System& system_;
@@ -293,6 +319,23 @@ Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& opt
   std::fill(state.a.begin(), state.a.end(), 0.0);
   std::fill(state.zdot.begin(), state.zdot.end(), 0.0);
   return result;
+}
+
+void move_equilibrium(const System& system, const EquilibriumOptions& options, const State& state, Direction& along) {
+  State at = state;
+  Newton newton(system, options, at);
+  // Of the start values only those of held variables matter.
+  const State before = along.state;
+  along.add_start(system);
+  const State starts = std::exchange(along.state, before);
+  for (const Index i : options.hold_x) along.state.x[static_cast<std::size_t>(i)] = starts.x[static_cast<std::size_t>(i)];
+  for (const Index i : options.hold_z) along.state.z[static_cast<std::size_t>(i)] = starts.z[static_cast<std::size_t>(i)];
+  if (newton.evaluate(true)) {
+    newton.solve();
+    if (newton.follow(along)) return;
+  }
+  throw AnalysisError("sensitivity", newton.failure().empty() ? "no equilibrium beside this one" : newton.failure(),
+                      "an equilibrium that moves with the number", "hold other variables: what is held may not balance");
 }
 
 }  // namespace bramah

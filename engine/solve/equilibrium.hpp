@@ -28,4 +28,9 @@ struct Equilibrium {
 /// Finds the equilibrium near the start values; throws AnalysisError where there is none.
 Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& options, double t = 0.0);
 
+/// How the equilibrium at `state` moves: completes `along`, whose parameters and inputs move, with dx, dz and dlambda.
+/// Held variables follow their start values; free directions are left where they are. AnalysisError where no equilibrium
+/// is beside it.
+void move_equilibrium(const System& system, const EquilibriumOptions& options, const State& state, Direction& along);
+
 }  // namespace bramah
