@@ -11,6 +11,7 @@ struct Arguments {
   std::vector<std::string> settings;  // component.parameter=value, in the order given
   std::string out;                    // folder for results, empty: none was given
   std::vector<std::string> over;      // PARAMETER=FROM:TO:COUNT or PARAMETER=A,B,C: instead of the scene's "sweep"
+  std::vector<std::string> by;        // of sensitivity: these numbers alone; empty: all
   int threads = 0;                    // 0: as many as there are cores
   std::vector<std::string> inputs;    // of respond: these alone; empty: all
   std::vector<std::string> outputs;   // instead of the scene's "outputs"

@@ -99,6 +99,7 @@ int run_verb(const Verb& verb, int argc, char** argv) {
                        [&](const char* own) { return own == std::string(option); });
   };
   if (offers("--over")) app.add_option("--over", arguments.over)->allow_extra_args(false);
+  if (offers("--by")) app.add_option("--by", arguments.by)->allow_extra_args(false);
   if (offers("--threads")) app.add_option("--threads", arguments.threads)->check(CLI::Range(1, 1024));
   if (offers("--input")) app.add_option("--input", arguments.inputs)->allow_extra_args(false);
   if (offers("--output")) app.add_option("--output", arguments.outputs)->allow_extra_args(false);

@@ -354,13 +354,15 @@ std::string spectrum_notes(const Census& census) {
   const Spectrum& spectrum = census.spectrum;
   const auto unstable = static_cast<std::size_t>(spectrum.unstable_count());
   const auto zeros = static_cast<std::size_t>(spectrum.zero_count());
-  std::string out = unstable == 0 ? "No eigenvalue to the right of the imaginary axis" : counted(unstable, "eigenvalue") + " to the right of the imaginary axis";
+  std::string out = unstable == 0 ? "No eigenvalue to the right of the imaginary axis"
+                                  : counted(unstable, "eigenvalue") + " to the right of the imaginary axis";
   out += zeros == 0 ? ".\n" : "; " + counted(zeros, "zero") + ", explained above.\n";
   if (!census.predicted) {
     out += "Zeros were not foretold: " + census.unpredicted + ".\n";
   } else if (static_cast<std::size_t>(census.predicted->count()) != zeros) {
-    out += "Warning: the ranks of the unreduced matrices foretell " + counted(static_cast<std::size_t>(census.predicted->count()), "zero") +
-           ", the reduced Jacobian has " + std::to_string(zeros) + ": the machine is near a change of rank; its smallest accepted pivot is " +
+    out += "Warning: the ranks of the unreduced matrices foretell " +
+           counted(static_cast<std::size_t>(census.predicted->count()), "zero") + ", the reduced Jacobian has " +
+           std::to_string(zeros) + ": the machine is near a change of rank; its smallest accepted pivot is " +
            short_number(std::min(census.predicted->accepted, spectrum.smallest_accepted), 2) + ".\n";
   }
   for (const auto& sum : spectrum.conserved) {

@@ -18,8 +18,8 @@ namespace {
 Descriptor descriptor_of(const Context& context) {
   const System& system = context.system();
   const LinearizeOptions& options = context.options().linearize;
-  State state = reference_state(system, context.options(), options.at == LinearizeOptions::At::equilibrium,
-                                context.start_time());
+  State state =
+      reference_state(system, context.options(), options.at == LinearizeOptions::At::equilibrium, context.start_time());
   state.side = options.side;
   Descriptor descriptor(system, choose_partition(system, state).rows);
   descriptor.evaluate(state);
@@ -120,7 +120,8 @@ int run_selected_modes(const Context& context) {
   std::string out = as_text(table) + '\n' + std::to_string(found.pairs.size()) + " of " +
                     std::to_string(descriptor.states()) + " eigenvalues, a conjugate pair counted once; " +
                     counted(static_cast<std::size_t>(zeros.count()), "zero") + " by ranks.\n";
-  const std::string where = "|s - (" + complex_text(found.disk.centre, 6) + ")| < " + short_number(found.disk.radius, 6) + " 1/s";
+  const std::string where =
+      "|s - (" + complex_text(found.disk.centre, 6) + ")| < " + short_number(found.disk.radius, 6) + " 1/s";
   out += (found.proven ? "No other eigenvalue lies in " : "Not proven to be all in ") + where + ".\n";
   if (!context.arguments.out.empty()) {
     const std::filesystem::path folder(context.arguments.out);
@@ -139,8 +140,7 @@ int run_descriptor(const Context& context) {
   json.begin_object().member("form", "descriptor").key("states").values(form.states);
   const auto write = [&](const char* name, const std::vector<Entry>& list) {
     json.key(name).begin_list();
-    for (const Entry& e : list)
-      json.begin_list(true).value(e.row).value(e.column).value(e.value).end_list();
+    for (const Entry& e : list) json.begin_list(true).value(e.row).value(e.column).value(e.value).end_list();
     json.end_list();
   };
   write("E", form.E);

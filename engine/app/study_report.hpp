@@ -8,8 +8,8 @@
 
 #include "app/comparison.hpp"
 #include "app/overlay.hpp"
-#include "io/plot.hpp"
 #include "app/results.hpp"
+#include "io/plot.hpp"
 
 namespace bramah {
 

@@ -86,7 +86,8 @@ std::string matrix_market(std::int64_t rows, std::int64_t columns, const std::ve
   std::string out = "%%MatrixMarket matrix coordinate real general\n" + std::to_string(rows) + ' ' +
                     std::to_string(columns) + ' ' + std::to_string(entries.size()) + '\n';
   for (const SparseEntry& entry : entries) {
-    out += std::to_string(entry.row + 1) + ' ' + std::to_string(entry.column + 1) + ' ' + exact_number(entry.value) + '\n';
+    out +=
+        std::to_string(entry.row + 1) + ' ' + std::to_string(entry.column + 1) + ' ' + exact_number(entry.value) + '\n';
   }
   return out;
 }

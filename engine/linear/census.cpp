@@ -13,7 +13,8 @@ namespace {
 /// T_k with columns in nominals and rows over their largest entry in P0, P1 or P2.
 class Toeplitz {
  public:
-  explicit Toeplitz(const Descriptor& descriptor) : d_(descriptor), row_scale_(static_cast<std::size_t>(d_.size()), 0.0) {
+  explicit Toeplitz(const Descriptor& descriptor)
+      : d_(descriptor), row_scale_(static_cast<std::size_t>(d_.size()), 0.0) {
     each_entry([&](int, Index row, Index, double value) {
       double& largest = row_scale_[static_cast<std::size_t>(row)];
       largest = std::max(largest, std::abs(value));
@@ -78,7 +79,8 @@ ZeroPrediction predict_zeros(const Descriptor& descriptor) {
     const Index nullity = toeplitz.nullity(k, prediction);
     if (nullity == before) break;
     if (nullity > descriptor.states())
-      throw AnalysisError("modes", "det P(s) is zero at every s", "independent constraint rows, and mass for every motion that they leave free",
+      throw AnalysisError("modes", "det P(s) is zero at every s",
+                          "independent constraint rows, and mass for every motion that they leave free",
                           "run `bramah linearize` on the scene: it names what is redundant or without mass");
     at_least.push_back(nullity - before);
     before = nullity;

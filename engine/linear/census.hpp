@@ -16,8 +16,8 @@
 namespace bramah {
 
 struct ZeroPrediction {
-  std::vector<int> block_sizes;                 // Jordan blocks of the eigenvalue 0, largest first
-  double accepted = 1.0, refused = 0.0;         // pivots that decided the ranks, relative to their columns
+  std::vector<int> block_sizes;          // Jordan blocks of the eigenvalue 0, largest first
+  double accepted = 1.0, refused = 0.0;  // pivots that decided the ranks, relative to their columns
   /// Algebraic multiplicity of zero.
   [[nodiscard]] Index count() const;
 };

@@ -9,13 +9,14 @@
 namespace bramah {
 namespace {
 
-constexpr double moving = 1e-9;  // d(D v0)/dx against D, per second: below it, the constraints stand still
+constexpr double moving = 1e-9;  // change of a coefficient per second, of the largest in its row: below it, none
 
 }  // namespace
 
 Descriptor::Descriptor(const System& system, std::span<const Index> rows)
     : system_(system), rows_(rows.begin(), rows.end()), blocks_(system) {
-  const Index n = system.n(), nz = system.nz(), count = static_cast<Index>(rows_.size()), m = system.m(), all = n + count + nz;
+  const Index n = system.n(), nz = system.nz(), count = static_cast<Index>(rows_.size()), m = system.m(),
+              all = n + count + nz;
   holonomic_ = std::count_if(rows_.begin(), rows_.end(), [&](Index row) { return row < m; });
   states_ = 2 * n - holonomic_ - count + nz;
 
@@ -26,42 +27,83 @@ Descriptor::Descriptor(const System& system, std::span<const Index> rows)
   std::copy(constraints.begin() + m, constraints.end(), b.begin() + m);
   std::vector<Index> zu(static_cast<std::size_t>(nz + system.nu()), -1);  // inputs stand still
   std::copy(z.begin(), z.end(), zu.begin());
-  const Term terms[] = {{BRAMAH_F_X, x, x, false, 0},  {BRAMAH_L_X, x, x, false, 0},  {BRAMAH_F_V, x, x, false, 1},
-                        {BRAMAH_F_A, x, x, false, 2},  {BRAMAH_F_Z, x, zu, false, 0}, {BRAMAH_F_U, x, zu, false, 0},
-                        {BRAMAH_C_X, c, x, false, 0},  {BRAMAH_R_X, b, x, false, 0},  {BRAMAH_R_V, b, x, false, 1},
-                        {BRAMAH_R_V, constraints, x, true, 0},
-                        {BRAMAH_G_X, z, x, false, 0},  {BRAMAH_G_V, z, x, false, 1},  {BRAMAH_G_Z, z, zu, false, 0},
-                        {BRAMAH_G_U, z, zu, false, 0}, {BRAMAH_G_ZDOT, z, z, false, 1}};
+  const Term terms[] = {
+      {BRAMAH_F_X, x, x, false, 0},          {BRAMAH_L_X, x, x, false, 0},  {BRAMAH_F_V, x, x, false, 1},
+      {BRAMAH_F_A, x, x, false, 2},          {BRAMAH_F_Z, x, zu, false, 0}, {BRAMAH_F_U, x, zu, false, 0},
+      {BRAMAH_C_X, c, x, false, 0},          {BRAMAH_R_X, b, x, false, 0},  {BRAMAH_R_V, b, x, false, 1},
+      {BRAMAH_R_V, constraints, x, true, 0}, {BRAMAH_G_X, z, x, false, 0},  {BRAMAH_G_V, z, x, false, 1},
+      {BRAMAH_G_Z, z, zu, false, 0},         {BRAMAH_G_U, z, zu, false, 0}, {BRAMAH_G_ZDOT, z, z, false, 1}};
   plan_ = SparsePlan(system, all, all, terms);
-  const Term rate[] = {{BRAMAH_R_X, c, x, false, 0}};
-  rate_ = SparsePlan(system, all, n, rate);
+}
+
+namespace {
+
+Request needed_blocks() {
+  return Request{}.blocks({BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_L_X, BRAMAH_G_X,
+                           BRAMAH_G_V, BRAMAH_G_Z, BRAMAH_G_ZDOT, BRAMAH_G_U, BRAMAH_C_X, BRAMAH_R_X, BRAMAH_R_V});
+}
+
+}  // namespace
+
+/// Along the reference motion, d(x, v, z)/dt = (v, a, zdot), every coefficient must keep its value.
+void Descriptor::find_changes(const State& state) {
+  changing_.clear();
+  const auto moves = [](const Vector& rates) {
+    return std::any_of(rates.begin(), rates.end(), [](double rate) { return rate != 0.0; });
+  };
+  if (!moves(state.v) && !moves(state.zdot)) return;
+  Direction motion(system_);
+  motion.state.x = state.v;
+  motion.state.v = state.a;
+  motion.state.z = state.zdot;
+  motion.state.z.resize(state.z.size(), 0.0);
+  Blocks blocks(system_);
+  try {
+    const Outcome outcome = blocks.evaluate_along(system_, state, motion, needed_blocks());
+    if (!outcome.ok()) changing_ = outcome.message;
+  } catch (const AnalysisError& error) {  // a component without second derivatives
+    changing_ = error.what();
+  }
+  if (!changing_.empty()) return;
+  SparsePlan rates = plan_;
+  for (std::size_t power = 0; power < 3; ++power) {
+    double weights[3] = {};
+    weights[power] = 1.0;
+    rates.fill(blocks, weights);
+    for (std::size_t e = 0; e < rates.values().size(); ++e) {
+      const auto row = static_cast<std::size_t>(plan_.row()[e]);
+      if (std::abs(rates.values()[e]) <= moving * largest_[row]) continue;
+      changing_ = "a coefficient of " + row_name(plan_.row()[e]) + " changes along the reference motion, by " +
+                  digits(rates.values()[e]) + " per second";
+      return;
+    }
+  }
+}
+
+std::string Descriptor::row_name(Index row) const {
+  if (row < n()) return "the force balance of " + system_.x[static_cast<std::size_t>(row)].name;
+  if (row < n() + row_count())
+    return "the constraint " + system_.constraint(rows_[static_cast<std::size_t>(row - n())]).name;
+  return "the storage balance of " + system_.z[static_cast<std::size_t>(row - n() - row_count())].name;
 }
 
 void Descriptor::evaluate(const State& state) {
-  const Request request = Request{}.blocks({BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_L_X,
-                                            BRAMAH_G_X, BRAMAH_G_V, BRAMAH_G_Z, BRAMAH_G_ZDOT, BRAMAH_G_U, BRAMAH_C_X,
-                                            BRAMAH_R_X, BRAMAH_R_V});
-  const Outcome outcome = blocks_.evaluate(system_, state, request);
+  const Outcome outcome = blocks_.evaluate(system_, state, needed_blocks());
   if (!outcome.ok())
     throw AnalysisError("linearize", outcome.message, "a state at which every component can be evaluated",
                         "linearize elsewhere");
+  largest_.assign(static_cast<std::size_t>(size()), 0.0);
   for (std::size_t power = 0; power < 3; ++power) {
     double weights[3] = {};
     weights[power] = 1.0;
     plan_.fill(blocks_, weights);
     coefficient_[power].assign(plan_.values().begin(), plan_.values().end());
+    for (std::size_t e = 0; e < coefficient_[power].size(); ++e) {
+      double& largest = largest_[static_cast<std::size_t>(plan_.row()[e])];
+      largest = std::max(largest, std::abs(coefficient_[power][e]));
+    }
   }
-
-  changing_.clear();
-  const double one = 1.0;
-  rate_.fill(blocks_, {&one, 1});
-  for (std::size_t e = 0; e < rate_.values().size(); ++e) {
-    if (std::abs(rate_.values()[e]) <= moving) continue;
-    const Index row = rows_[static_cast<std::size_t>(rate_.row()[e] - n())];
-    changing_ = "the coefficients of constraint " + system_.constraint(row).name + " change at the reference by " +
-                digits(rate_.values()[e]) + " per second";
-    break;
-  }
+  find_changes(state);
 
   nominal_.assign(static_cast<std::size_t>(size()), 0.0);
   for (std::size_t i = 0; i < system_.x.size(); ++i) nominal_[i] = system_.x[i].nominal;
@@ -71,14 +113,19 @@ void Descriptor::evaluate(const State& state) {
   Vector force(static_cast<std::size_t>(n()), 0.0);
   const auto each = [&](auto&& visit) {
     for (Index j = 0; j < size(); ++j) {
-      for (Index e = plan_.start()[static_cast<std::size_t>(j)]; e < plan_.start()[static_cast<std::size_t>(j) + 1]; ++e)
-        visit(static_cast<std::size_t>(plan_.row()[static_cast<std::size_t>(e)]), static_cast<std::size_t>(j), static_cast<std::size_t>(e));
+      for (Index e = plan_.start()[static_cast<std::size_t>(j)]; e < plan_.start()[static_cast<std::size_t>(j) + 1];
+           ++e)
+        visit(static_cast<std::size_t>(plan_.row()[static_cast<std::size_t>(e)]), static_cast<std::size_t>(j),
+              static_cast<std::size_t>(e));
     }
   };
-  const auto entry = [&](std::size_t e) { return std::max({std::abs(coefficient_[0][e]), std::abs(coefficient_[1][e]), std::abs(coefficient_[2][e])}); };
+  const auto entry = [&](std::size_t e) {
+    return std::max({std::abs(coefficient_[0][e]), std::abs(coefficient_[1][e]), std::abs(coefficient_[2][e])});
+  };
   const auto first_row = static_cast<std::size_t>(n()), last_row = first_row + rows_.size();
   each([&](std::size_t row, std::size_t column, std::size_t e) {
-    if (row < first_row && (column < first_row || column >= last_row)) force[row] = std::max(force[row], entry(e) * nominal_[column]);
+    if (row < first_row && (column < first_row || column >= last_row))
+      force[row] = std::max(force[row], entry(e) * nominal_[column]);
   });
   Vector coefficient(static_cast<std::size_t>(size()), 0.0);
   each([&](std::size_t row, std::size_t column, std::size_t e) {
@@ -100,9 +147,10 @@ void Descriptor::evaluate(const State& state) {
 
 void Descriptor::require_constant() const {
   if (changing_.empty()) return;
-  throw AnalysisError("linearize", changing_,
-                      "an equilibrium, or a steady motion along which all coefficients are constant, for the sparse form",
-                      "use the reduced model, which is exact at every state");
+  throw AnalysisError(
+      "linearize", changing_,
+      "an equilibrium, or a steady motion along which all coefficients are constant, for the sparse form",
+      "use the reduced model, which is exact at every state");
 }
 
 sparse::CscView Descriptor::coefficient(int power) const { return view(coefficient_[power]); }

@@ -55,12 +55,16 @@ class Descriptor {
   [[nodiscard]] std::string unknown_name(Index i) const;
 
  private:
+  void find_changes(const State& state);
+  [[nodiscard]] std::string row_name(Index row) const;
+
   const System& system_;
   std::vector<Index> rows_;
   Index holonomic_ = 0, states_ = 0;
   Blocks blocks_;
-  SparsePlan plan_, rate_;
+  SparsePlan plan_;
   Vector coefficient_[3], nominal_;
+  Vector largest_;  // coefficient of each row
   std::string changing_;
 };
 

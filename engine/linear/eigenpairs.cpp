@@ -1,8 +1,8 @@
 #include "linear/eigenpairs.hpp"
 
+#include <Spectra/GenEigsSolver.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCore>
-#include <Spectra/GenEigsSolver.h>
 
 #include <algorithm>
 #include <cmath>
@@ -151,8 +151,8 @@ struct RowScaled {
 };
 
 double backward_error(const Descriptor& descriptor, const RowScaled& scaled, Complex s, const VectorXcd& y) {
-  const VectorXcd residual = coefficient(descriptor, 0) * y + s * (coefficient(descriptor, 1) * y) +
-                             s * s * (coefficient(descriptor, 2) * y);
+  const VectorXcd residual =
+      coefficient(descriptor, 0) * y + s * (coefficient(descriptor, 1) * y) + s * s * (coefficient(descriptor, 2) * y);
   const VectorXd nominal = Eigen::Map<const VectorXd>(descriptor.nominal().data(), descriptor.size());
   const double size = std::abs(s);
   const double terms = scaled.norm[0] + size * (scaled.norm[1] + size * scaled.norm[2]);
@@ -163,7 +163,8 @@ constexpr double tolerance = 1e-13;  // of Arnoldi's method, relative to 1 / (sh
 
 /// What belongs to infinite eigenvalues of the index-3 pencil leaves a vector after three applications.
 VectorXd start_vector(const ShiftInvert& op) {
-  VectorXd start = VectorXd::NullaryExpr(op.rows(), [](Index i) { return std::cos(1.0 + 1.7 * static_cast<double>(i)); });
+  VectorXd start =
+      VectorXd::NullaryExpr(op.rows(), [](Index i) { return std::cos(1.0 + 1.7 * static_cast<double>(i)); });
   VectorXd next(op.rows());
   for (int k = 0; k < 3; ++k) {
     op.perform_op(start.data(), next.data());
@@ -178,11 +179,11 @@ Complex factor_near(ShiftInvert& op, Complex shift) {
   for (int trial = 0; trial < 4; ++trial, shift *= moved) {
     if (op.factor(shift)) return shift;
   }
-  throw AnalysisError("modes",
-                      "the matrix P(s) is singular at every s near " + digits(shift.real()) + " + " +
-                          digits(shift.imag()) + "i",
-                      "independent constraint rows, and mass for every motion that they leave free",
-                      "run `bramah linearize` on the scene: it names what is redundant or without mass");
+  throw AnalysisError(
+      "modes",
+      "the matrix P(s) is singular at every s near " + digits(shift.real()) + " + " + digits(shift.imag()) + "i",
+      "independent constraint rows, and mass for every motion that they leave free",
+      "run `bramah linearize` on the scene: it names what is redundant or without mass");
 }
 
 /// The rate of the slowest motions, |v| / |x| of vectors that the operator has drawn towards them. Three applications
@@ -219,10 +220,10 @@ Eigen::MatrixXcd by_arnoldi(ShiftInvert& op, Index wanted, Index basis) {
   solver.init(start_vector(op).data());
   const Index converged = solver.compute(Spectra::SortRule::LargestMagn, 300, tolerance);
   if (converged < wanted)
-    throw AnalysisError("modes",
-                        "Arnoldi's method found " + std::to_string(converged) + " of " + std::to_string(wanted) +
-                            " eigenvalues",
-                        "as many as were asked for", "ask for fewer, or move the shift");
+    throw AnalysisError(
+        "modes",
+        "Arnoldi's method found " + std::to_string(converged) + " of " + std::to_string(wanted) + " eigenvalues",
+        "as many as were asked for", "ask for fewer, or move the shift");
   return solver.eigenvectors();
 }
 
@@ -271,8 +272,10 @@ void take_zeros(Eigenpairs& result, Index zeros) {
   while (result.zeros < zeros && taken < result.pairs.size())
     result.zeros += result.pairs[taken++].eigenvalue.imag() == 0.0 ? 1 : 2;
   if (result.zeros != zeros)
-    throw AnalysisError("modes", std::to_string(result.zeros) + " eigenvalues at zero by iteration and " + std::to_string(zeros) + " by ranks",
-                        "the same count", "move the shift away from zero");
+    throw AnalysisError(
+        "modes",
+        std::to_string(result.zeros) + " eigenvalues at zero by iteration and " + std::to_string(zeros) + " by ranks",
+        "the same count", "move the shift away from zero");
   result.pairs.erase(result.pairs.begin(), result.pairs.begin() + static_cast<std::ptrdiff_t>(taken));
   std::stable_sort(result.pairs.begin(), result.pairs.end(), [&](const Eigenpair& a, const Eigenpair& b) {
     return std::abs(a.eigenvalue - result.shift) < std::abs(b.eigenvalue - result.shift);
@@ -319,7 +322,8 @@ Eigenpairs find_nearest(const Descriptor& descriptor, Index count, double shift,
   iterate(descriptor, op, 2 * (count + 1) + zeros, result);
   if (zeros > 0) take_zeros(result, zeros);
   // Zeros draw the estimate of the slowest rate down: what they hid is found more exactly from nearby.
-  if (shift <= 0.0 && !result.pairs.empty() && std::abs(result.pairs.front().eigenvalue) > 8.0 * std::abs(result.shift)) {
+  if (shift <= 0.0 && !result.pairs.empty() &&
+      std::abs(result.pairs.front().eigenvalue) > 8.0 * std::abs(result.shift)) {
     const Complex nearer = factor_near(op, std::abs(result.pairs.front().eigenvalue));
     result = Eigenpairs{};
     result.shift = nearer;
@@ -330,7 +334,9 @@ Eigenpairs find_nearest(const Descriptor& descriptor, Index count, double shift,
   const auto kept = std::min(static_cast<std::size_t>(count), result.pairs.size());
   const auto distance = [&](std::size_t k) { return std::abs(result.pairs[k].eigenvalue - result.shift); };
   result.disk.centre = result.shift;
-  if (kept > 0) result.disk.radius = kept < result.pairs.size() ? 0.5 * (distance(kept - 1) + distance(kept)) : (1.0 + 1e-6) * distance(kept - 1);
+  if (kept > 0)
+    result.disk.radius =
+        kept < result.pairs.size() ? 0.5 * (distance(kept - 1) + distance(kept)) : (1.0 + 1e-6) * distance(kept - 1);
   if (!result.disk.contains(0.0)) result.zeros = 0;
   if (proof == Proof::wanted) prove(descriptor, result);
   result.pairs.resize(kept);
@@ -391,8 +397,10 @@ class Turning {
 
   double between(const Sample& a, const Sample& b) {
     constexpr double small = std::numbers::pi / 2.0, agree = std::numbers::pi / 8.0;
-    const double step = b.angle - a.angle, foretold = 0.5 * (a.rate + b.rate) * step, found = std::arg(b.phase / a.phase);
-    if (std::abs(a.rate) * step < small && std::abs(b.rate) * step < small && std::abs(found - foretold) < agree) return found;
+    const double step = b.angle - a.angle, foretold = 0.5 * (a.rate + b.rate) * step,
+                 found = std::arg(b.phase / a.phase);
+    if (std::abs(a.rate) * step < small && std::abs(b.rate) * step < small && std::abs(found - foretold) < agree)
+      return found;
     const Sample middle = sample(0.5 * (a.angle + b.angle));
     return between(a, middle) + between(middle, b);
   }
@@ -411,7 +419,8 @@ class Turning {
       rest *= std::conj(distance) / std::abs(distance);
     }
     if (hit)
-      throw AnalysisError("modes", "an eigenvalue too near the circle at " + digits(s.real()) + " + " + digits(s.imag()) + "i",
+      throw AnalysisError("modes",
+                          "an eigenvalue too near the circle at " + digits(s.real()) + " + " + digits(s.imag()) + "i",
                           "a circle that keeps away from eigenvalues", "ask for more or fewer modes");
     return rest * factors_.lu().determinant_phase();
   }

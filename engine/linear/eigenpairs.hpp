@@ -37,7 +37,8 @@ enum class Proof { skip, wanted };
 /// The `count` eigenvalues nearest to a real shift above zero (1/s), which no stable system has as an eigenvalue; a
 /// conjugate pair counts once. shift 0: chosen from the size of the slowest motions. `zeros`, from predict_zeros, are
 /// told apart from slow eigenvalues. AnalysisError where the iteration does not converge or the proof fails.
-Eigenpairs find_nearest(const Descriptor& descriptor, Eigen::Index count, double shift, Eigen::Index zeros, Proof proof);
+Eigenpairs find_nearest(const Descriptor& descriptor, Eigen::Index count, double shift, Eigen::Index zeros,
+                        Proof proof);
 
 /// All eigenvalues in the disk.
 Eigenpairs find_inside(const Descriptor& descriptor, const Disk& disk, Eigen::Index zeros, Proof proof);

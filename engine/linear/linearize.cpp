@@ -116,9 +116,9 @@ Linearizer::Linearizer(const System& system, Partition partition, std::vector<Me
 namespace {
 
 Request model_blocks() {
-  return Request{}.blocks({BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_G_X, BRAMAH_G_V, BRAMAH_G_Z,
-                           BRAMAH_G_ZDOT, BRAMAH_G_U, BRAMAH_C_X, BRAMAH_R_X, BRAMAH_R_V, BRAMAH_S_X, BRAMAH_S_V,
-                           BRAMAH_L_X});
+  return Request{}.blocks({BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_G_X, BRAMAH_G_V,
+                           BRAMAH_G_Z, BRAMAH_G_ZDOT, BRAMAH_G_U, BRAMAH_C_X, BRAMAH_R_X, BRAMAH_R_V, BRAMAH_S_X,
+                           BRAMAH_S_V, BRAMAH_L_X});
 }
 
 [[noreturn]] void cannot_evaluate(const Outcome& outcome) {
@@ -416,8 +416,7 @@ void Linearizer::complete(const State& state, Direction& along) {
   evaluate_along(state, along, Request{}.rows("fgs"));
   Vector follows(n + rows + nz);
   for (std::size_t i = 0; i < n; ++i) follows[i] = -moving_.f[i];
-  for (std::size_t i = 0; i < rows; ++i)
-    follows[n + i] = -moving_.s[static_cast<std::size_t>(partition_.rows[i])];
+  for (std::size_t i = 0; i < rows; ++i) follows[n + i] = -moving_.s[static_cast<std::size_t>(partition_.rows[i])];
   for (std::size_t i = 0; i < nz; ++i) follows[n + rows + i] = -moving_.g[i];
   kkt_.solve(follows);
   std::copy_n(follows.begin(), n, moves.a.begin());

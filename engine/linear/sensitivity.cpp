@@ -44,8 +44,9 @@ std::vector<Complex> derivatives(const Eigen::MatrixXd& dA, const MatrixXcd& W, 
 
 }  // namespace
 
-Sensitivity find_sensitivity(const System& system, const EquilibriumOptions& options, Follows follows, const State& state,
-                             Linearizer& linearizer, const Spectrum& spectrum, const SceneNumber& number) {
+Sensitivity find_sensitivity(const System& system, const EquilibriumOptions& options, Follows follows,
+                             const State& state, Linearizer& linearizer, const Spectrum& spectrum,
+                             const SceneNumber& number) {
   const Direction along = direction_of(system, options, follows, state, linearizer, number);
   const Eigen::MatrixXd dA = linearizer.derivative(state, along);
   const auto count = static_cast<std::size_t>(spectrum.left.cols());

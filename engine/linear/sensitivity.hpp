@@ -29,7 +29,8 @@ struct Sensitivity {
 };
 
 /// After `linearizer.linearize(state, model)` and with its spectrum.
-Sensitivity find_sensitivity(const System& system, const EquilibriumOptions& options, Follows follows, const State& state,
-                             Linearizer& linearizer, const Spectrum& spectrum, const SceneNumber& number);
+Sensitivity find_sensitivity(const System& system, const EquilibriumOptions& options, Follows follows,
+                             const State& state, Linearizer& linearizer, const Spectrum& spectrum,
+                             const SceneNumber& number);
 
 }  // namespace bramah

@@ -328,14 +328,17 @@ void move_equilibrium(const System& system, const EquilibriumOptions& options, c
   const State before = along.state;
   along.add_start(system);
   const State starts = std::exchange(along.state, before);
-  for (const Index i : options.hold_x) along.state.x[static_cast<std::size_t>(i)] = starts.x[static_cast<std::size_t>(i)];
-  for (const Index i : options.hold_z) along.state.z[static_cast<std::size_t>(i)] = starts.z[static_cast<std::size_t>(i)];
+  for (const Index i : options.hold_x)
+    along.state.x[static_cast<std::size_t>(i)] = starts.x[static_cast<std::size_t>(i)];
+  for (const Index i : options.hold_z)
+    along.state.z[static_cast<std::size_t>(i)] = starts.z[static_cast<std::size_t>(i)];
   if (newton.evaluate(true)) {
     newton.solve();
     if (newton.follow(along)) return;
   }
   throw AnalysisError("sensitivity", newton.failure().empty() ? "no equilibrium beside this one" : newton.failure(),
-                      "an equilibrium that moves with the number", "hold other variables: what is held may not balance");
+                      "an equilibrium that moves with the number",
+                      "hold other variables: what is held may not balance");
 }
 
 }  // namespace bramah

@@ -130,8 +130,7 @@ bool BasicKlu<Scalar>::factor(const View& matrix) {
     }
     Call::free_numeric(&d.numeric, &d.common);
   }
-  d.numeric =
-      Call::factor(indices(matrix.start), indices(matrix.row), doubles(matrix.value), d.symbolic, &d.common);
+  d.numeric = Call::factor(indices(matrix.start), indices(matrix.row), doubles(matrix.value), d.symbolic, &d.common);
   if (d.common.status == KLU_OUT_OF_MEMORY) throw std::bad_alloc();
   if (d.numeric == nullptr || d.common.status == KLU_SINGULAR) {
     Call::free_numeric(&d.numeric, &d.common);

@@ -111,7 +111,8 @@ class OptionReader {
     if (value.boolean() != nullptr) {
       result = *value.boolean();
     } else {
-      faults_.add("wrong-kind", where, named(where) + " is " + description(value), "true or false", "write one of them");
+      faults_.add("wrong-kind", where, named(where) + " is " + description(value), "true or false",
+                  "write one of them");
     }
   }
 
@@ -411,19 +412,23 @@ void read_modes(const Value& root, OptionReader& reader, Faults& faults, ModesOp
                        modes.band_from = ends[0];
                        modes.band_to = ends[1];
                      } else {
-                       faults.add("out-of-range", where, "\"band\" is " + description(value), "two frequencies, the lower first",
-                                  "write [\"1 Hz\", \"5 Hz\"]");
+                       faults.add("out-of-range", where, "\"band\" is " + description(value),
+                                  "two frequencies, the lower first", "write [\"1 Hz\", \"5 Hz\"]");
                      }
                    } else {
                      reader.flag(value, where, modes.prove);
                    }
                  });
   if (root.find("modes") != nullptr && selections.size() != 1) {
-    faults.add("wrong-choice", "/modes", selections.empty() ? "\"modes\" without a selection" : "\"modes\" with several selections: " + quoted_list(selections),
-               "one of: \"count\", \"band\", \"within\"", selections.empty() ? "add one, or remove \"modes\" to have all modes" : "keep one of them");
+    faults.add("wrong-choice", "/modes",
+               selections.empty() ? "\"modes\" without a selection"
+                                  : "\"modes\" with several selections: " + quoted_list(selections),
+               "one of: \"count\", \"band\", \"within\"",
+               selections.empty() ? "add one, or remove \"modes\" to have all modes" : "keep one of them");
   }
   if (modes.shift > 0.0 && modes.select != ModesOptions::Select::nearest)
-    faults.add("wrong-choice", "/modes/shift", "\"shift\" without \"count\"", "a shift for the nearest modes only", "remove it");
+    faults.add("wrong-choice", "/modes/shift", "\"shift\" without \"count\"", "a shift for the nearest modes only",
+               "remove it");
 }
 
 }  // namespace

@@ -53,11 +53,11 @@ struct LinearizeOptions {
 struct ModesOptions {
   enum class Select { all, nearest, band, within };
   Select select = Select::all;
-  Index count = 0;                       // nearest: how many, conjugates counted once
-  double shift = 0.0;                    // nearest to it, 1/s; 0: chosen
+  Index count = 0;                        // nearest: how many, conjugates counted once
+  double shift = 0.0;                     // nearest to it, 1/s; 0: chosen
   double band_from = 0.0, band_to = 0.0;  // Hz
-  double within = 0.0;                   // |s| below, 1/s
-  bool prove = true;                     // that none was missed
+  double within = 0.0;                    // |s| below, 1/s
+  bool prove = true;                      // that none was missed
 };
 
 struct StudyOptions {

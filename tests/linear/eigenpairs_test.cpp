@@ -62,8 +62,8 @@ class SelectedModes : public ::testing::TestWithParam<std::string> {};
 TEST_P(SelectedModes, AreThoseOfTheReducedModel) {
   const Machine machine = load(GetParam());
   const Both both(machine.system(), machine.options());
-  EXPECT_EQ(both.descriptor.states(), static_cast<Index>(2 * both.partition.ai.size() + both.partition.ad.size()) +
-                                          machine.system().nz());
+  EXPECT_EQ(both.descriptor.states(),
+            static_cast<Index>(2 * both.partition.ai.size() + both.partition.ad.size()) + machine.system().nz());
   for (const double radius : {3.0, 30.0, 300.0}) {
     const Disk disk{0.0, radius};
     const Eigenpairs found = find_inside(both.descriptor, disk, both.zeros, Proof::wanted);

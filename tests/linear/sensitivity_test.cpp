@@ -41,20 +41,26 @@ Complex complex_number(const nlohmann::json& pair) { return {number(pair[0]), nu
 TEST(Sensitivity, FourBarFollowsTheReference) {
   const nlohmann::json all = reference("four_bar.json");
   const std::pair<const char*, const char*> cases[] = {{"1", "scenes/four_bar/overdamped.json"},
-                                                       {"1/10", "scenes/four_bar/underdamped_high_friction.json"},
-                                                       {"1/100", "scenes/four_bar/underdamped_low_friction.json"}};
-  const std::pair<const char*, const char*> numbers_of_scene[] = {
-      {"Fc", "seal.F_c"}, {"sigma2", "seal.sigma_2"}, {"m3", "coupler.mass"}};
+                                                       {"1/10", "scenes/four_bar/underdamped_high_friction.json"}};
+  // m3 is the mass of a slender rod of 8 m: its inertia m3 8^2 / 12 moves along.
+  using Parts = std::vector<std::pair<const char*, double>>;
+  const std::pair<const char*, Parts> symbols[] = {{"Fc", {{"seal.F_c", 1.0}}},
+                                                   {"sigma2", {{"seal.sigma_2", 1.0}}},
+                                                   {"m3", {{"coupler.mass", 1.0}, {"coupler.inertia", 64.0 / 12.0}}}};
   for (const auto& [scenario, file] : cases) {
     const Machine machine = load(file);
     Point point(machine);
-    for (const auto& [symbol, name] : numbers_of_scene) {
-      SCOPED_TRACE(std::string(file) + " " + name);
-      const Sensitivity found = point.by(name);
+    for (const auto& [symbol, parts] : symbols) {
+      SCOPED_TRACE(std::string(file) + " " + symbol);
+      std::vector<Complex> found(static_cast<std::size_t>(point.spectrum.left.cols()));
+      for (const auto& [name, factor] : parts) {
+        const Sensitivity part = point.by(name);
+        for (std::size_t k = 0; k < found.size(); ++k) found[k] += factor * part.eigenvalues[k];
+      }
       const nlohmann::json& expected = all["sensitivities"][scenario][symbol];
       const nlohmann::json& eigenvalues = all["scenarios"][std::string("table3 ") + scenario]["eig"];
       int compared = 0;
-      for (std::size_t k = 0; k < found.eigenvalues.size(); ++k) {
+      for (std::size_t k = 0; k < found.size(); ++k) {
         // The reference's order: three of the mechanism and its oil, then the valve's.
         for (std::size_t j = 0; j < 4; ++j) {
           const Complex eigenvalue = complex_number(eigenvalues[j < 3 ? j : 5]);
@@ -62,8 +68,8 @@ TEST(Sensitivity, FourBarFollowsTheReference) {
           const Complex derivative = complex_number(expected[j]);
           // Asked: 1e-8. The valve stands alone: exactly zero beside derivatives of the others.
           const double scale = j < 3 ? 0.0 : 1e-3;
-          EXPECT_TRUE(close(found.eigenvalues[k].real(), derivative.real(), 1e-8, scale));
-          EXPECT_TRUE(close(found.eigenvalues[k].imag(), derivative.imag(), 1e-8, std::max(scale, 1e-6 * std::abs(derivative))));
+          EXPECT_TRUE(close(found[k].real(), derivative.real(), 1e-8, scale));
+          EXPECT_TRUE(close(found[k].imag(), derivative.imag(), 1e-8, std::max(scale, 1e-6 * std::abs(derivative))));
           ++compared;
         }
       }
@@ -117,26 +123,28 @@ TEST_P(MovesAsDifferences, OfWholeScenes) {
   for (std::size_t k = 0; k < expected.size(); ++k) {
     // Differences carry eps |lambda| condition / step, here below 1e-7 of the largest change.
     const double scale = std::abs(point.spectrum.modes[k].eigenvalue) / std::abs(value);
-    EXPECT_TRUE(close(found.eigenvalues[k].real(), expected[k].real(), 1e-7, scale)) << point.spectrum.modes[k].eigenvalue;
-    EXPECT_TRUE(close(found.eigenvalues[k].imag(), expected[k].imag(), 1e-7, scale)) << point.spectrum.modes[k].eigenvalue;
+    EXPECT_TRUE(close(found.eigenvalues[k].real(), expected[k].real(), 1e-7, scale))
+        << point.spectrum.modes[k].eigenvalue;
+    EXPECT_TRUE(close(found.eigenvalues[k].imag(), expected[k].imag(), 1e-7, scale))
+        << point.spectrum.modes[k].eigenvalue;
     moved = std::max(moved, std::abs(expected[k]) / scale);
   }
   EXPECT_GT(moved, 1e-4) << "nothing moves: the case tests nothing";
 }
-INSTANTIATE_TEST_SUITE_P(
-    Sensitivity, MovesAsDifferences,
-    ::testing::Values(Case{"scenes/four_bar/overdamped.json", "coupler.mass", 1e-3},
-                      Case{"scenes/four_bar/underdamped_low_friction.json", "constants.B_oil", 1e-3},
-                      Case{"scenes/four_bar/spatial.json", "rocker.mass", 1e-3},
-                      Case{"scenes/bicycle/benchmark.json", "constants.v", 1e-3},
-                      Case{"scenes/bicycle/benchmark.json", "fork.mass", 1e-3},
-                      Case{"scenes/bicycle/benchmark.json", "rear_contact.a", 1e-3},
-                      Case{"scenes/linear/sleeping_top.json", "rotor.mass", 1e-3}),
-    [](const auto& p) {
-      std::string name = std::string(p.param.file).substr(7) + "_" + p.param.name;
-      for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-      return name;
-    });
+INSTANTIATE_TEST_SUITE_P(Sensitivity, MovesAsDifferences,
+                         ::testing::Values(Case{"scenes/four_bar/overdamped.json", "coupler.mass", 1e-3},
+                                           Case{"scenes/four_bar/underdamped_low_friction.json", "constants.B_oil",
+                                                1e-3},
+                                           Case{"scenes/four_bar/spatial.json", "rocker.mass", 1e-3},
+                                           Case{"scenes/bicycle/benchmark.json", "constants.v", 1e-3},
+                                           Case{"scenes/bicycle/benchmark.json", "fork.mass", 1e-3},
+                                           Case{"scenes/bicycle/benchmark.json", "rear_contact.a", 1e-3},
+                                           Case{"scenes/linear/sleeping_top.json", "rotor.mass", 1e-3}),
+                         [](const auto& p) {
+                           std::string name = std::string(p.param.file).substr(7) + "_" + p.param.name;
+                           for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+                           return name;
+                         });
 
 TEST(Sensitivity, EqualEigenvaluesMoveAsASet) {
   // Two equal oscillators, one of them with the mass that moves: d(omega) is 0 for one, -omega / 2m for the other.
