@@ -14,6 +14,7 @@
 namespace bramah {
 namespace {
 
+constexpr const char* kOptions[] = {"--by"};
 constexpr std::size_t most_shown = 20;  // numbers on a terminal; --json and --out have all
 
 struct Failed {
@@ -142,7 +143,9 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 constinit const Verb verb_sensitivity = {
-    "sensitivity", "SCENE", "how eigenvalues move with every number of the scene, exactly",
+    "sensitivity",
+    "SCENE",
+    "how eigenvalues move with every number of the scene, exactly",
     R"(Derivatives of all nonzero eigenvalues by parameters, constants and start values, exact, with the motion of the
 equilibrium counted: held variables stay where they are. At a start state the independent coordinates and their rates
 follow their start values. Ranked by importance: the largest relative change of an eigenvalue per relative change of the
@@ -159,6 +162,7 @@ Examples
 [{"number", "value", "unit", "importance", "derivatives": [{"re", "im"}]}], "failed": [{"number", "why"}]}; derivatives
 are in SI and in the order of the eigenvalues.
 )",
-    run};
+    run,
+    kOptions};
 
 }  // namespace bramah
