@@ -6,7 +6,7 @@
 bramah_packages=(
   g++ cmake ninja-build git pkg-config ccache
   libeigen3-dev libsuitesparse-dev libsundials-dev liblapack-dev libblas-dev nlohmann-json3-dev libcli11-dev
-  libtbb-dev
+  libtbb-dev libspectra-dev
   libgtest-dev libgmock-dev libbenchmark-dev)
 
 say() { printf 'bramah: %s\n' "$*" >&2; }
@@ -60,7 +60,7 @@ check_tools() {
   ((${#missing[@]})) || return 0
   say "missing here: ${missing[*]}"
   say "Bramah needs: a C++20 compiler, CMake 3.22, Ninja, Eigen 3.4, SuiteSparse (KLU), SUNDIALS 6 (IDA), LAPACK,"
-  say "nlohmann-json 3.11, CLI11 2, oneTBB 2021; for the tests GoogleTest, Google Benchmark and SuiteSparse's SPQR and UMFPACK."
+  say "nlohmann-json 3.11, CLI11 2, oneTBB 2021, Spectra 1; for the tests GoogleTest, Google Benchmark and SuiteSparse's SPQR and UMFPACK."
   say "On Debian and its relatives this command installs them; elsewhere use your package manager, then call it again."
   exit 1
 }

@@ -18,6 +18,14 @@ TEST(Csv, CarriesNamesAndAllDigits) {
             "b,3,-4.0000000000000001e-300,0.33333333333333331\n");
 }
 
+TEST(MatrixMarket, CountsFromOneWithAllDigits) {
+  EXPECT_EQ(matrix_market(3, 2, {{0, 1, 0.1}, {2, 0, -1.0 / 3.0}}),
+            "%%MatrixMarket matrix coordinate real general\n"
+            "3 2 2\n"
+            "1 2 0.10000000000000001\n"
+            "3 1 -0.33333333333333331\n");
+}
+
 template <class T>
 T at(const std::string& bytes, std::size_t position) {
   T value;

@@ -26,6 +26,7 @@ const std::vector<Door>& doors() {
        std::regex("(sundials|idas?|kinsol|cvodes?|arkode|nvector|sunmatrix|sunlinsol|sunnonlinsol)/.*"),
        {"solve"}},
       {"LAPACK", std::regex("(lapack|cblas|openblas).*"), {"linear"}},
+      {"Spectra", std::regex("Spectra/.*"), {"linear"}},
       {"nlohmann-json", std::regex("nlohmann/.*"), {"io"}},
       {"CLI11", std::regex("CLI/.*"), {"app"}},
       {"oneTBB", std::regex("(tbb|oneapi)/.*"), {"app"}},

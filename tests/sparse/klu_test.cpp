@@ -74,5 +74,27 @@ TEST(Klu, EstimatesTheCondition) {
   EXPECT_NEAR(lu.condition(view(A)), 2e6, 1.0);
 }
 
+TEST(ComplexKlu, SolvesAndTellsThePhaseOfTheDeterminant) {
+  using Complex = std::complex<double>;
+  using ComplexSparse = Eigen::SparseMatrix<Complex, Eigen::ColMajor, std::int64_t>;
+  for (const Complex shift : {Complex(0.3, 1.7), Complex(-2.0, 0.1), Complex(4.0, -3.0)}) {
+    ComplexSparse A = tridiagonal(9, 1.0).cast<Complex>();
+    for (int i = 0; i < 9; ++i) A.coeffRef(i, i) = shift + static_cast<double>(i % 3);
+    A.makeCompressed();
+    const sparse::ComplexKlu::View seen{A.rows(), A.cols(), A.outerIndexPtr(), A.innerIndexPtr(), A.valuePtr()};
+    sparse::ComplexKlu lu;
+    lu.analyze(seen);
+    ASSERT_TRUE(lu.factor(seen));
+    const Eigen::VectorXcd exact = Eigen::VectorXcd::Random(9);
+    Eigen::VectorXcd b = A * exact, c = A.transpose() * exact;
+    lu.solve({b.data(), 9});
+    lu.solve_transposed({c.data(), 9});
+    EXPECT_LT((b - exact).norm(), 1e-13 * exact.norm());
+    EXPECT_LT((c - exact).norm(), 1e-13 * exact.norm());
+    const Complex determinant = Eigen::MatrixXcd(A).determinant();
+    EXPECT_LT(std::abs(lu.determinant_phase() - determinant / std::abs(determinant)), 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace bramah::testing
