@@ -140,8 +140,9 @@ TEST(Setting, WorksOnAnEmptyScene) {
   apply_setting(scene, "constants.g=9.81");
   EXPECT_EQ(*at(scene, "constants", "g").number(), 9.81);
   const Diagnostic fault = refusal(Scene{}, "V2.p=3");
-  EXPECT_EQ(fault.expected,
-            "a section (\"constants\", \"start\", \"simulate\", \"linearize\", \"equilibrium\", \"study\", \"sweep\")");
+  EXPECT_EQ(
+      fault.expected,
+      "a section (\"constants\", \"start\", \"simulate\", \"linearize\", \"equilibrium\", \"study\", \"sweep\", \"modes\", \"compare\")");
 }
 
 TEST(Setting, LeavesUnknownParametersToCompile) {
