@@ -3,18 +3,25 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
 
 #include "linear/staircase.hpp"
 #include "solve/start.hpp"
+#include "support/generators.hpp"
 #include "support/machine.hpp"
+#include "support/random_machine.hpp"
 
 namespace bramah::testing {
 namespace {
 
-std::vector<int> found_blocks(const LinearModel& model) {
+using Eigen::MatrixXd;
+
+std::vector<int> block_sizes(const Spectrum& spectrum) {
   std::vector<int> sizes;
-  for (const ZeroBlock& block : find_spectrum(model).zeros) sizes.push_back(block.size);
+  for (const ZeroBlock& block : spectrum.zeros) sizes.push_back(block.size);
   std::sort(sizes.rbegin(), sizes.rend());
   return sizes;
 }
@@ -32,13 +39,81 @@ TEST(Census, ForetellsTheZerosOfEveryScene) {
     descriptor.evaluate(state);
     if (!descriptor.changing().empty()) continue;
     const ZeroPrediction predicted = predict_zeros(descriptor);
-    EXPECT_EQ(predicted.block_sizes, found_blocks(linear_model(machine, state)));
+    EXPECT_EQ(predicted.block_sizes, block_sizes(find_spectrum(linear_model(machine, state))));
     // A gap of ten orders between what counts as a pivot and what does not.
     EXPECT_GT(predicted.accepted, 1e-5);
     EXPECT_LT(predicted.refused, 1e-14);
     ++compared;
   }
   EXPECT_GE(compared, 14);
+}
+
+// What a reader of the unreduced spectrum would call unstable: a real part above a part of the fastest eigenvalue that is
+// 10^7 times the rounding of a double. Smaller real parts may be taken for none.
+constexpr double visible = 1e-9;
+constexpr double difference_step = 1e-5;  // where Fig. 14 has its minimum
+constexpr Index most_coordinates_differences = 40;
+
+bool looks_unstable(const std::vector<std::complex<double>>& eigenvalues) {
+  double fastest = 0.0, growth = 0.0;
+  for (const std::complex<double> s : eigenvalues) {
+    fastest = std::max(fastest, std::abs(s));
+    growth = std::max(growth, s.real());
+  }
+  return growth > visible * fastest;
+}
+
+TEST(Census, IsRightOnRandomMachines) {
+  constexpr int machines = 300;
+  int compared = 0, called_unstable = 0, exact_called_unstable = 0;
+  Index zeros = 0;
+  double accepted = 1.0, refused = 0.0;
+  for (int seed = 1; seed <= machines; ++seed) {
+    const support::RandomMachine random = support::random_machine(static_cast<std::uint64_t>(seed));
+    SCOPED_TRACE("seed " + std::to_string(seed) + "\n" + support::scene_text(random.scene));
+    const Compiled machine = support::compiled(random.scene);
+    const System& system = machine.system;
+    const bool equilibrium = machine.options.linearize.at == LinearizeOptions::At::equilibrium;
+    const State state = reference_state(system, machine.options, equilibrium, 0.0);
+    const Partition partition = choose_partition(system, state);
+    Linearizer linearizer(system, partition);
+    LinearModel model, augmented;
+    linearizer.linearize(state, model);
+    const Spectrum spectrum = find_spectrum(model);
+    Descriptor descriptor(system, partition.rows);
+    descriptor.evaluate(state);
+    EXPECT_EQ(descriptor.changing(), "");
+    const ZeroPrediction predicted = predict_zeros(descriptor);
+
+    EXPECT_EQ(predicted.block_sizes, random.zero_blocks);
+    EXPECT_EQ(block_sizes(spectrum), random.zero_blocks);
+    EXPECT_EQ(spectrum.zero_count(), predicted.count());
+    EXPECT_EQ(spectrum.unstable_count(), 0);
+    for (const Mode& mode : spectrum.modes) EXPECT_FALSE(mode.doubtful) << mode.eigenvalue << " " << mode.cause;
+    zeros += predicted.count();
+    accepted = std::min(accepted, predicted.accepted);
+    refused = std::max(refused, predicted.refused);
+
+    if (system.n() > most_coordinates_differences) continue;
+    ++compared;
+    const MatrixXd differences = augmented_by_differences(system, partition, state, difference_step);
+    if (looks_unstable(plain_eigenvalues(differences))) ++called_unstable;
+    linearizer.linearize_augmented(state, augmented);
+    if (looks_unstable(plain_eigenvalues(augmented))) ++exact_called_unstable;
+  }
+  // A gap of orders between what counts as a pivot and what does not.
+  EXPECT_GT(accepted, 1e-5);
+  EXPECT_LT(refused, 1e-14);
+  EXPECT_GE(compared, 200);
+  std::printf(
+      "%d stable machines, %d zeros, none called unstable; %d of them unreduced: %d called unstable with "
+      "differences (%.0f %%), %d with exact derivatives (%.0f %%)\n",
+      machines, static_cast<int>(zeros), compared, called_unstable, 100.0 * called_unstable / compared,
+      exact_called_unstable, 100.0 * exact_called_unstable / compared);
+  RecordProperty("zeros", static_cast<int>(zeros));
+  RecordProperty("unreduced", compared);
+  RecordProperty("called_unstable_with_differences", called_unstable);
+  RecordProperty("called_unstable_with_exact_derivatives", exact_called_unstable);
 }
 
 }  // namespace

@@ -6,34 +6,13 @@
 
 #include "io/json_writer.hpp"
 #include "io/read_scene.hpp"
+#include "support/scene_parts.hpp"
 
 namespace bramah::support {
 namespace {
 
 using Point = std::array<double, 3>;
 using Quaternion = std::array<double, 4>;
-
-std::string numbered(const char* name, int i) { return name + std::to_string(i); }
-
-Value list(std::initializer_list<double> numbers) {
-  Value::List values;
-  for (const double number : numbers) values.emplace_back(number);
-  return values;
-}
-Value names(std::initializer_list<const char*> texts) {
-  Value::List values;
-  for (const char* text : texts) values.emplace_back(text);
-  return values;
-}
-
-Scene scene_of(std::string title, Value libraries, Value::Object components) {
-  Scene scene;
-  scene.root = Value::Object{{"bramah", 1},
-                             {"title", std::move(title)},
-                             {"libraries", std::move(libraries)},
-                             {"components", std::move(components)}};
-  return scene;
-}
 
 Value::Object surroundings(Value acceleration) {
   return {{"ground", Value::Object{{"type", "mechanics/ground"}}},
