@@ -1,6 +1,7 @@
 // What each step of the engine costs, for every machine of families.hpp. Names are work/family/bodies; README.md
 // explains the counters.
 #include <benchmark/benchmark.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +12,9 @@
 
 #include "families.hpp"
 #include "io/read_scene.hpp"
+#include "linear/census.hpp"
+#include "linear/descriptor.hpp"
+#include "linear/eigenpairs.hpp"
 #include "linear/linearize.hpp"
 #include "linear/spectrum.hpp"
 #include "solve/equilibrium.hpp"
@@ -291,6 +295,46 @@ void ida_step(benchmark::State& run, const Case& c) {
   run.counters["simulated_s"] = simulated;
 }
 
+/// Of the whole process so far: tell it of a work that runs alone.
+double peak_megabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+void descriptor(benchmark::State& run, const Case& c) {
+  const Machine& machine = c.machine();
+  Descriptor descriptor(machine.system(), machine.partition.rows);
+  for (auto _ : run) descriptor.evaluate(machine.state);
+  describe(run, c);
+  run.counters["peak_MB"] = peak_megabytes();
+}
+
+void zeros(benchmark::State& run, const Case& c) {
+  const Machine& machine = c.machine();
+  Descriptor descriptor(machine.system(), machine.partition.rows);
+  descriptor.evaluate(machine.state);
+  for (auto _ : run) benchmark::DoNotOptimize(predict_zeros(descriptor));
+  describe(run, c);
+  run.counters["peak_MB"] = peak_megabytes();
+}
+
+void nearest_modes(benchmark::State& run, const Case& c) {
+  constexpr Eigen::Index wanted = 20;
+  const Machine& machine = c.machine();
+  Descriptor descriptor(machine.system(), machine.partition.rows);
+  descriptor.evaluate(machine.state);
+  const Eigen::Index zeros = predict_zeros(descriptor).count();
+  Eigenpairs found;
+  for (auto _ : run) found = find_nearest(descriptor, wanted, 0.0, zeros, Proof::skip);
+  describe(run, c);
+  double residual = 0.0;
+  for (const Eigenpair& pair : found.pairs) residual = std::max(residual, pair.residual);
+  run.counters["pairs"] = static_cast<double>(found.pairs.size());
+  run.counters["residual"] = residual;
+  run.counters["peak_MB"] = peak_megabytes();
+}
+
 void load_text(benchmark::State& run, const Case& c) {
   const std::string text = c.family() == "four_bar"
                                ? read_source(BRAMAH_SOURCE_DIR "/scenes/four_bar/overdamped.json").text
@@ -335,14 +379,25 @@ constexpr std::array works = {
     Work{"linearize_differences", linearize_differences, Work::Time::own},
     Work{"spectrum_reduced", spectrum_reduced},
     Work{"spectrum_augmented", spectrum_augmented, Work::Time::own},
+    Work{"descriptor", descriptor},
+    Work{"zeros", zeros},
+    Work{"nearest_modes", nearest_modes},
 };
+
+Case::Extent extent_of(std::string_view work) {
+  if (work == "descriptor" || work == "zeros" || work == "nearest_modes") return Case::Extent::modes;
+  return work == "partition" || work == "redundancy" ? Case::Extent::partition : Case::Extent::all;
+}
+/// The partition is measured of all but the machines for modes.
+bool is_measured(std::string_view work, const Case& c) {
+  const Case::Extent extent = extent_of(work);
+  return extent == c.extent() || (extent == Case::Extent::partition && c.extent() == Case::Extent::all);
+}
 
 void add_benchmarks() {
   for (const Work& work : works) {
     for (const Case& c : cases()) {
-      if (c.only_partition() && std::string_view(work.name) != "partition" &&
-          std::string_view(work.name) != "redundancy")
-        continue;
+      if (!is_measured(work.name, c)) continue;
       const auto run = [&work, &c](benchmark::State& state) {
         try {
           work.run(state, c);

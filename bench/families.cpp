@@ -50,6 +50,7 @@ const std::vector<Case>& cases() {
       list.emplace_back("bent_planar", links, planar_bent, planar_bent, partition);
     for (const int links : {14, 143, 1429, 14286})
       list.emplace_back("bent_spatial", links, spatial_bent, spatial_bent, partition);
+    for (const int links : {15, 143, 1429, 14286}) list.emplace_back("hanging_spatial", links, spatial, spatial, modes);
     for (const int loops : {33, 333, 3333}) list.emplace_back("spatial_ladder", loops, ladder, ladder, partition);
     return list;
   }();

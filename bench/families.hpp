@@ -21,13 +21,14 @@ struct Machine {
 /// A family of machines at one size.
 class Case {
  public:
-  /// What is measured of the machine: everything, or its partition only, up to sizes at which the rest takes too long.
-  enum class Extent { all, partition };
+  /// What is measured of the machine: everything but selected modes, or only these or its partition, up to sizes at which
+  /// the rest takes too long.
+  enum class Extent { all, partition, modes };
   Case(std::string family, int size, Scene (*rest)(int), Scene (*general)(int), Extent extent = Extent::all);
 
   [[nodiscard]] const std::string& family() const { return family_; }
   [[nodiscard]] int bodies() const { return size_; }
-  [[nodiscard]] bool only_partition() const { return extent_ == Extent::partition; }
+  [[nodiscard]] Extent extent() const { return extent_; }
   [[nodiscard]] std::string name() const;
   /// The scene whose equilibrium is sought: assembled, at rest, multipliers zero.
   [[nodiscard]] Scene at_rest() const { return at_rest_(size_); }
@@ -43,7 +44,7 @@ class Case {
   mutable std::unique_ptr<Machine> machine_;
 };
 
-/// The four-bar, the chains of 10, 100 and 1000 bodies, and longer ones and ladders for the partition.
+/// The four-bar, the chains of 10, 100 and 1000 bodies, and longer ones and ladders for the partition and for modes.
 const std::vector<Case>& cases();
 
 }  // namespace bramah::bench

@@ -1,5 +1,7 @@
 #include "linear/census.hpp"
 
+#include <Eigen/Dense>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -10,87 +12,170 @@
 namespace bramah {
 namespace {
 
-/// T_k with columns in nominals and rows over their largest entry in P0, P1 or P2.
-class Toeplitz {
- public:
-  explicit Toeplitz(const Descriptor& descriptor)
-      : d_(descriptor), row_scale_(static_cast<std::size_t>(d_.size()), 0.0) {
-    each_entry([&](int, Index row, Index, double value) {
-      double& largest = row_scale_[static_cast<std::size_t>(row)];
-      largest = std::max(largest, std::abs(value));
-    });
-    for (double& scale : row_scale_) scale = scale > 0.0 ? 1.0 / scale : 1.0;
-  }
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, Index>;
 
-  /// dim null T_k.
-  Index nullity(int k, ZeroPrediction& pivots) {
-    const Index size = d_.size();
-    std::vector<Index> start = {0}, row;
-    std::vector<double> value;
-    for (int block = 0; block < k; ++block) {
-      for (Index j = 0; j < size; ++j) {
-        for (int power = 0; power < std::min(3, k - block); ++power) {
-          const sparse::CscView P = d_.coefficient(power);
-          for (Index e = P.start[j]; e < P.start[j + 1]; ++e) {
-            if (P.value[e] == 0.0) continue;
-            row.push_back((block + power) * size + P.row[e]);
-            value.push_back(P.value[e] * scale(P.row[e], j));
-          }
-        }
-        start.push_back(static_cast<Index>(row.size()));
-      }
+// A singular value of F(0) that counts as zero, its rows and columns over the terms that they are sums of. As in RankLu.
+constexpr double rank_tolerance = 1e-9;
+
+/// F(s) = F_0 + s F_1 + ..., and beside each entry the size of the terms that it is the sum of: what rounding is
+/// relative to.
+struct Series {
+  std::vector<MatrixXd> value, size;
+};
+
+/// P0, P1, P2 with columns in nominals and rows over their largest entry in any of them.
+std::vector<SparseMatrix> scaled_coefficients(const Descriptor& d) {
+  std::vector<SparseMatrix> P;
+  VectorXd largest = VectorXd::Zero(d.size());
+  const Eigen::Map<const VectorXd> nominal(d.nominal().data(), d.size());
+  for (int power = 0; power < 3; ++power) {
+    const sparse::CscView from = d.coefficient(power);
+    const Index entries = from.start[from.columns];
+    P.emplace_back(Eigen::Map<const SparseMatrix>(from.rows, from.columns, entries, from.start, from.row, from.value) *
+                   nominal.asDiagonal());
+    P.back().prune(0.0, 0.0);
+    P.back().makeCompressed();
+    for (Index j = 0; j < P.back().cols(); ++j) {
+      for (SparseMatrix::InnerIterator entry(P.back(), j); entry; ++entry)
+        largest(entry.row()) = std::max(largest(entry.row()), std::abs(entry.value()));
     }
-    sparse::RankLu lu;
-    lu.factor({k * size, k * size, start.data(), row.data(), value.data()});
-    pivots.accepted = std::min(pivots.accepted, lu.smallest_accepted());
-    pivots.refused = std::max(pivots.refused, lu.largest_refused());
-    return k * size - lu.rank();
+  }
+  const VectorXd scale = (largest.array() > 0.0).select(largest.cwiseInverse(), 1.0);
+  for (SparseMatrix& coefficient : P) coefficient = scale.asDiagonal() * coefficient;
+  return P;
+}
+
+/// What is singular in P at s = 0.
+class SingularPart {
+ public:
+  explicit SingularPart(const Descriptor& descriptor) : P_(scaled_coefficients(descriptor)) {
+    const SparseMatrix& P0 = P_[0];
+    lu_.factor({P0.rows(), P0.cols(), P0.outerIndexPtr(), P0.innerIndexPtr(), P0.valuePtr()});
+    const Index nullity = P0.cols() - lu_.rank();
+    Z_ = MatrixXd::Zero(P0.cols(), nullity);
+    W_ = MatrixXd::Zero(P0.rows(), nullity);
+    const std::vector<sparse::Dependency> dependencies = lu_.dependencies();
+    for (Index k = 0; k < nullity; ++k) {
+      const auto which = static_cast<std::size_t>(k);
+      Z_(lu_.dependent_columns()[which], k) = 1.0;
+      for (const auto& [column, coefficient] : dependencies[which]) Z_(column, k) = -coefficient;
+    }
+    std::vector<bool> taken(static_cast<std::size_t>(P0.rows()), false);
+    for (const Index row : lu_.pivot_rows()) taken[static_cast<std::size_t>(row)] = true;
+    const SparseMatrix by_rows = P0.transpose();
+    Index k = 0;
+    for (Index row = 0; row < P0.rows(); ++row) {
+      if (taken[static_cast<std::size_t>(row)]) continue;
+      const VectorXd entries = by_rows.col(row);
+      VectorXd y(P0.rows());
+      lu_.solve_transposed({entries.data(), static_cast<std::size_t>(entries.size())},
+                           {y.data(), static_cast<std::size_t>(y.size())});
+      W_.col(k) = -y;
+      W_(row, k++) = 1.0;
+    }
+  }
+  [[nodiscard]] Index nullity() const { return Z_.cols(); }
+  [[nodiscard]] double accepted() const { return lu_.smallest_accepted(); }
+  [[nodiscard]] double refused() const { return lu_.largest_refused(); }
+
+  /// The first `terms` of F.
+  [[nodiscard]] Series series(int terms) const {
+    const SparseMatrix P1 = P_[1].cwiseAbs(), P2 = P_[2].cwiseAbs();
+    Series F;
+    MatrixXd before = MatrixXd::Zero(Z_.rows(), Z_.cols()), now = Z_;
+    for (int j = 0; j < terms; ++j) {
+      const MatrixXd rows = P_[1] * now + P_[2] * before;
+      F.value.emplace_back(W_.transpose() * rows);
+      F.size.emplace_back(W_.cwiseAbs().transpose() * (P1 * now.cwiseAbs() + P2 * before.cwiseAbs()));
+      before = now;
+      for (Index k = 0; k < rows.cols(); ++k) {
+        const auto size = static_cast<std::size_t>(rows.rows());
+        lu_.solve({rows.col(k).data(), size}, {now.col(k).data(), size});
+      }
+      now = -now;
+    }
+    return F;
   }
 
  private:
-  [[nodiscard]] double scale(Index row, Index column) const {
-    return row_scale_[static_cast<std::size_t>(row)] * d_.nominal()[static_cast<std::size_t>(column)];
+  std::vector<SparseMatrix> P_;
+  sparse::RankLu lu_;
+  MatrixXd Z_, W_;
+};
+
+/// Rows, then columns, of all terms over what the first term is made of.
+void equilibrate(Series& F) {
+  const auto inverse = [](const VectorXd& v) -> VectorXd { return (v.array() > 0.0).select(v.cwiseInverse(), 1.0); };
+  const VectorXd row = inverse(F.size.front().rowwise().maxCoeff());
+  const VectorXd column = inverse((row.asDiagonal() * F.size.front()).colwise().maxCoeff().transpose());
+  for (std::vector<MatrixXd>* terms : {&F.value, &F.size}) {
+    for (MatrixXd& term : *terms) term = (row.asDiagonal() * term * column.asDiagonal()).eval();
   }
-  template <class Visit>
-  void each_entry(Visit&& visit) const {
-    for (int power = 0; power < 3; ++power) {
-      const sparse::CscView P = d_.coefficient(power);
-      for (Index j = 0; j < P.columns; ++j) {
-        for (Index e = P.start[j]; e < P.start[j + 1]; ++e)
-          visit(power, P.row[e], j, P.value[e] * d_.nominal()[static_cast<std::size_t>(j)]);
-      }
+}
+
+/// What is singular in F at s = 0, in the place of F: one term less; rows and columns as many as dim null F(0), which is
+/// returned.
+Index reduce(Series& F, ZeroPrediction& pivots) {
+  equilibrate(F);
+  const Eigen::JacobiSVD<MatrixXd> svd(F.value.front(), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const VectorXd& sigma = svd.singularValues();
+  Index rank = 0;
+  for (Index i = 0; i < sigma.size(); ++i) {
+    if (sigma(i) > rank_tolerance) {
+      pivots.accepted = std::min(pivots.accepted, sigma(i));
+      ++rank;
+    } else {
+      pivots.refused = std::max(pivots.refused, sigma(i));
     }
   }
-  const Descriptor& d_;
-  std::vector<double> row_scale_;
-};
+  const Index nullity = sigma.size() - rank;
+  const MatrixXd Z = svd.matrixV().rightCols(nullity), W = svd.matrixU().rightCols(nullity);
+  const MatrixXd G = svd.matrixV().leftCols(rank) * sigma.head(rank).cwiseInverse().asDiagonal() *
+                     svd.matrixU().leftCols(rank).transpose();
+  Series next;
+  std::vector<MatrixXd> Y = {Z};
+  for (std::size_t j = 1; j < F.value.size(); ++j) {
+    MatrixXd rows = MatrixXd::Zero(G.cols(), nullity), size = rows;
+    for (std::size_t i = 1; i <= j; ++i) {
+      rows += F.value[i] * Y[j - i];
+      size += F.size[i] * Y[j - i].cwiseAbs();
+    }
+    next.value.emplace_back(W.transpose() * rows);
+    next.size.emplace_back(W.cwiseAbs().transpose() * size);
+    Y.emplace_back(-(G * rows));
+  }
+  F = std::move(next);
+  return nullity;
+}
+
+[[noreturn]] void always_singular() {
+  throw AnalysisError("modes", "det P(s) is zero at every s",
+                      "independent constraint rows, and mass for every motion that they leave free",
+                      "run `bramah linearize` on the scene: it names what is redundant or without mass");
+}
 
 }  // namespace
 
 Index ZeroPrediction::count() const { return std::accumulate(block_sizes.begin(), block_sizes.end(), Index{0}); }
 
 ZeroPrediction predict_zeros(const Descriptor& descriptor) {
+  const SingularPart singular(descriptor);
   ZeroPrediction prediction;
-  Toeplitz toeplitz(descriptor);
-  // Blocks of size k or more: dim null T_k - dim null T_(k-1).
-  std::vector<Index> at_least;
-  Index before = 0;
-  for (int k = 1;; ++k) {
-    const Index nullity = toeplitz.nullity(k, prediction);
-    if (nullity == before) break;
-    if (nullity > descriptor.states())
-      throw AnalysisError("modes", "det P(s) is zero at every s",
-                          "independent constraint rows, and mass for every motion that they leave free",
-                          "run `bramah linearize` on the scene: it names what is redundant or without mass");
-    at_least.push_back(nullity - before);
-    before = nullity;
+  // Blocks are rarely longer than 3; a term of the series serves one size.
+  for (int terms = 3;; terms *= 2) {
+    prediction = {{}, singular.accepted(), singular.refused()};
+    prediction.block_sizes.assign(static_cast<std::size_t>(singular.nullity()), 1);
+    Index longer = singular.nullity();
+    Series F = singular.series(longer > 0 ? terms : 0);
+    while (longer > 0 && !F.value.empty()) {
+      longer = reduce(F, prediction);
+      for (Index i = 0; i < longer; ++i) ++prediction.block_sizes[static_cast<std::size_t>(i)];
+      if (prediction.count() > descriptor.states()) always_singular();
+    }
+    if (longer == 0) return prediction;
   }
-  if (at_least.empty()) return prediction;
-  prediction.block_sizes.assign(static_cast<std::size_t>(at_least.front()), 0);
-  for (const Index count : at_least) {
-    for (Index i = 0; i < count; ++i) ++prediction.block_sizes[static_cast<std::size_t>(i)];
-  }
-  return prediction;
 }
 
 }  // namespace bramah

@@ -1,12 +1,12 @@
-// How many eigenvalues are zero, told before any is computed: from ranks of the sparse, unreduced coefficients.
+// How many eigenvalues are zero, told before any is computed: from the rank of the sparse, unreduced P0 and of small dense
+// matrices. Where P0 = P(0) has a null space Z, a left one W and an inverse G between what is left of rows and columns,
 //
-// Chains y0, y1, ... with P0 y0 = 0, P0 y1 + P1 y0 = 0, P0 y2 + P1 y1 + P2 y0 = 0, ... are the Jordan chains of s = 0
-// (Gohberg, Lancaster, Rodman 1982, Sect. 1.4). Chains of length k fill the null space of
+//   P(s) ~ diag(I, s F(s)),   F(s) = W^T (P1 + s P2) (I + G (s P1 + s^2 P2))^-1 Z
 //
-//         [ P0             ]
-//   T_k = [ P1  P0         ]   (k blocks),   dim null T_k = sum over Jordan blocks of min(k, size).
-//         [ P2  P1  P0     ]
-//         [      ...       ]
+// so that the zeros of P at 0 are those of F, each with one more: dim Z Jordan blocks have size 1 or more, dim null F(0)
+// size 2 or more, and so on with F in the place of P (Gohberg, Lancaster, Rodman 1982, Sect. 1.4 and S1.5). Only what is
+// singular at 0 gets into F, so that slow eigenvalues do not blur the decision, as they do, like s^k, in the ranks of
+// Toeplitz matrices of P0, P1, P2.
 #pragma once
 
 #include <vector>
@@ -22,6 +22,7 @@ struct ZeroPrediction {
   [[nodiscard]] Index count() const;
 };
 
+/// AnalysisError where det P(s) is zero at every s.
 ZeroPrediction predict_zeros(const Descriptor& descriptor);
 
 }  // namespace bramah

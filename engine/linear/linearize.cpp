@@ -2,6 +2,7 @@
 
 #include <Eigen/SparseCore>
 #include <cmath>
+#include <limits>
 
 #include "system/analysis_error.hpp"
 #include "system/message.hpp"
@@ -251,8 +252,45 @@ void Linearizer::linearize(const State& state, LinearModel& model) {
   for (Index i = 0; i < l; ++i) take(2 * k + i, v.row(ad(i)));
   for (Index i = 0; i < nz; ++i) take(2 * k + l + i, response_.row(n + rows + i));
   model.states = reduced_states_;
+  model.rounding = row_rounding(states);
   measure(model, states);
   model.kinks = kinks_at(state);
+}
+
+/// The terms of which the rows of A are sums, without their signs, go the way of the sums. Of the signs that rounding may
+/// have, a few stand for all.
+Eigen::VectorXd Linearizer::row_rounding(Eigen::Index states) const {
+  using Eigen::VectorXd;
+  constexpr int patterns = 4;
+  const Index n = system_.n(), rows = static_cast<Index>(partition_.rows.size());
+  const auto k = static_cast<Index>(partition_.ai.size()), m = static_cast<Index>(partition_.d.size()),
+             l = static_cast<Index>(partition_.ad.size());
+  VectorXd nominal(states);
+  for (Index j = 0; j < states; ++j) nominal(j) = reduced_states_[static_cast<std::size_t>(j)].nominal;
+  const VectorXd moved = (motion_.leftCols(states).cwiseAbs() * nominal.asDiagonal()).rowwise().maxCoeff();
+  const VectorXd terms = matrix(loads_).cwiseAbs() * moved;
+  const VectorXd rates = matrix(D_).cwiseAbs() * moved.segment(n, n) + matrix(D_rate_).cwiseAbs() * moved.head(n);
+
+  VectorXd response = VectorXd::Zero(terms.size()), drift = VectorXd::Zero(rows);
+  for (Index pattern = 1; pattern <= patterns; ++pattern) {
+    const auto signs = [&](const VectorXd& sizes) {
+      VectorXd terms_of_sign = sizes;
+      for (Index i = 0; i < sizes.size(); ++i) terms_of_sign(i) *= (i / pattern) % 2 == 0 ? 1.0 : -1.0;
+      return terms_of_sign;
+    };
+    VectorXd solved = signs(terms);
+    kkt_.solve({solved.data(), static_cast<std::size_t>(solved.size())});
+    response = response.cwiseMax(solved.cwiseAbs());
+    if (l == 0) continue;
+    solved = signs(rates);
+    lu_D_dd_.solve({solved.data(), static_cast<std::size_t>(solved.size())}, 1);
+    drift = drift.cwiseMax(solved.cwiseAbs());
+  }
+  VectorXd rounding = VectorXd::Zero(states);
+  for (Index i = 0; i < k; ++i) rounding(k + i) = response(partition_.ai[static_cast<std::size_t>(i)]);
+  rounding.segment(2 * k, l) = drift.segment(m, l);
+  rounding.tail(system_.nz()) = response.tail(system_.nz());
+  return std::numeric_limits<double>::epsilon() * rounding.cwiseQuotient(nominal);
 }
 
 void Linearizer::linearize_augmented(const State& state, LinearModel& model) {
@@ -269,6 +307,7 @@ void Linearizer::linearize_augmented(const State& state, LinearModel& model) {
   model.A.bottomRows(nz) = response_.bottomRows(nz).leftCols(states);
   model.B.bottomRows(nz) = response_.bottomRows(nz).rightCols(nu);
   model.states = augmented_states_;
+  model.rounding.resize(0);
   measure(model, states);
   model.kinks = kinks_at(state);
 }

@@ -32,6 +32,9 @@ struct KinkTaken {
 struct LinearModel {
   std::vector<NamedQuantity> states, inputs, outputs;
   Eigen::MatrixXd A, B, C, D;
+  Eigen::VectorXd
+      rounding;  // (states) of a row of A, states in nominals: what may remain where its terms cancel; empty:
+                 // A is exact
   std::vector<KinkTaken> kinks;
 };
 
@@ -74,6 +77,7 @@ class Linearizer {
   void evaluate_along(const State& state, const Direction& along, const Request& request);
   void check_consistent() const;
   void respond();
+  [[nodiscard]] Eigen::VectorXd row_rounding(Eigen::Index states) const;
   void measure(LinearModel& model, Eigen::Index states) const;
   [[nodiscard]] std::vector<KinkTaken> kinks_at(const State& state) const;
 

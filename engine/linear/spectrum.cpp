@@ -258,13 +258,14 @@ void sort_modes(Spectrum& spectrum) {
 
 Spectrum find_spectrum(const LinearModel& model) {
   const VectorXd nominal = nominals(model);
-  const MatrixXd A = nominal.cwiseInverse().asDiagonal() * model.A * nominal.asDiagonal();
-  const Index n = A.rows();
+  const Index n = nominal.size();
+  const VectorXd row_rounding = model.rounding.size() == n ? model.rounding : VectorXd::Zero(n);
+  const MatrixXd A = without_rounding(nominal.cwiseInverse().asDiagonal() * model.A * nominal.asDiagonal(), row_rounding);
   Spectrum spectrum;
   if (!A.allFinite())
     throw AnalysisError("modes", "a Jacobian with entries that are not finite", "a finite Jacobian",
                         "linearize at another state");
-  const Staircase stairs = find_staircase(A);
+  const Staircase stairs = find_staircase(A, row_rounding);
   const Index z = stairs.zeros(), rest = n - z;
   spectrum.smallest_accepted = stairs.accepted;
   spectrum.largest_refused = stairs.refused;

@@ -8,6 +8,10 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Signs of rounding that conspire more than those that were tried.
+constexpr double rounding_margin = 20.0;
 
 /// An orthonormal basis [null space, complement] of M's columns; `rank` by pivoted QR of the row-equilibrated matrix,
 /// which has the same null space and comparable rows: a fast row cannot hide a slow one.
@@ -53,7 +57,14 @@ std::vector<int> Staircase::block_sizes() const {
   return sizes;
 }
 
-Staircase find_staircase(const MatrixXd& A, double tolerance) {
+MatrixXd without_rounding(MatrixXd A, const VectorXd& rounding) {
+  for (Index i = 0; i < A.rows(); ++i) {
+    if (A.row(i).norm() <= rounding_margin * rounding(i)) A.row(i).setZero();
+  }
+  return A;
+}
+
+Staircase find_staircase(const MatrixXd& A, const VectorXd& rounding, double tolerance) {
   Staircase result;
   const Index n = A.rows();
   result.Q = MatrixXd::Identity(n, n);
@@ -64,10 +75,12 @@ Staircase find_staircase(const MatrixXd& A, double tolerance) {
     const MatrixXd rest = result.triangular.bottomRightCorner(size, size);
     // What rounding left of an exact zero matrix is zero.
     const double floor = 1e-15 * std::max(1.0, A.norm()) * static_cast<double>(size);
-    MatrixXd cleaned = rest;
-    for (Index i = 0; i < size; ++i) {
-      if (cleaned.row(i).norm() <= floor) cleaned.row(i).setZero();
+    VectorXd limit = VectorXd::Constant(size, floor / rounding_margin);
+    if (rounding.size() == n) {
+      const VectorXd turned = (result.Q.rightCols(size).cwiseAbs2().transpose() * rounding.cwiseAbs2()).cwiseSqrt();
+      limit = limit.cwiseMax(turned);
     }
+    const MatrixXd cleaned = without_rounding(rest, limit);
     const MatrixXd Z = split(cleaned, tolerance, nullity, result.accepted, result.refused);
     if (nullity == 0) break;
     result.Q.rightCols(size) = (result.Q.rightCols(size) * Z).eval();

@@ -20,8 +20,12 @@ struct Staircase {
   [[nodiscard]] std::vector<int> block_sizes() const;
 };
 
+/// A with zeros where a row is not above a small multiple of its `rounding` (n).
+Eigen::MatrixXd without_rounding(Eigen::MatrixXd A, const Eigen::VectorXd& rounding);
+
 /// `A` should be scaled so that its rows and columns are comparable. A pivot counts as zero below
-/// `tolerance` times the norm of its row.
-Staircase find_staircase(const Eigen::MatrixXd& A, double tolerance = 1e-11);
+/// `tolerance` times the norm of its row, a row where it is not above a small
+/// multiple of its `rounding` (n; empty: A is exact).
+Staircase find_staircase(const Eigen::MatrixXd& A, const Eigen::VectorXd& rounding = {}, double tolerance = 1e-11);
 
 }  // namespace bramah

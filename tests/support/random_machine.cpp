@@ -333,7 +333,8 @@ class Maker {
     const Vector3d from = to + Vector3d{lot_.between(0.3, 0.8), lot_.between(-0.8, -0.3), lot_.between(0.3, 0.8)};
     spatial_stroke("tie", from, before, to);
     along_stroke("tie_spring", "tie", link, (to - from).norm());
-    free_motions(springs(link) ? free - 1 : free, free - 1);
+    const int others = std::max(free - 1, 0);
+    free_motions(springs(link) ? others : free, others);
   }
 
   // --- bars in a plane, of planar bodies or, as planes go, anywhere in space
