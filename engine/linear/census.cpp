@@ -19,6 +19,17 @@ using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, Index>;
 // A singular value of F(0) that counts as zero, its rows and columns over the terms that they are sums of. As in RankLu.
 constexpr double rank_tolerance = 1e-9;
 
+// Entries of a vector below this part of its largest may be rounding.
+constexpr double negligible = 1e-5;
+
+/// |V|, entries that may be rounding as large as they may be.
+MatrixXd bound(const MatrixXd& V) {
+  MatrixXd size = V.cwiseAbs();
+  for (Index j = 0; j < size.cols() && size.rows() > 0; ++j)
+    size.col(j) = size.col(j).cwiseMax(negligible * size.col(j).maxCoeff());
+  return size;
+}
+
 /// F(s) = F_0 + s F_1 + ..., and beside each entry the size of the terms that it is the sum of: what rounding is
 /// relative to.
 struct Series {
@@ -88,7 +99,7 @@ class SingularPart {
     for (int j = 0; j < terms; ++j) {
       const MatrixXd rows = P_[1] * now + P_[2] * before;
       F.value.emplace_back(W_.transpose() * rows);
-      F.size.emplace_back(W_.cwiseAbs().transpose() * (P1 * now.cwiseAbs() + P2 * before.cwiseAbs()));
+      F.size.emplace_back(bound(W_).transpose() * (P1 * bound(now) + P2 * bound(before)));
       before = now;
       for (Index k = 0; k < rows.cols(); ++k) {
         const auto size = static_cast<std::size_t>(rows.rows());
@@ -140,10 +151,10 @@ Index reduce(Series& F, ZeroPrediction& pivots) {
     MatrixXd rows = MatrixXd::Zero(G.cols(), nullity), size = rows;
     for (std::size_t i = 1; i <= j; ++i) {
       rows += F.value[i] * Y[j - i];
-      size += F.size[i] * Y[j - i].cwiseAbs();
+      size += F.size[i] * bound(Y[j - i]);
     }
     next.value.emplace_back(W.transpose() * rows);
-    next.size.emplace_back(W.cwiseAbs().transpose() * size);
+    next.size.emplace_back(bound(W).transpose() * size);
     Y.emplace_back(-(G * rows));
   }
   F = std::move(next);

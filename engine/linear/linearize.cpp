@@ -261,34 +261,39 @@ void Linearizer::linearize(const State& state, LinearModel& model) {
 /// have, a few stand for all.
 Eigen::VectorXd Linearizer::row_rounding(Eigen::Index states) const {
   using Eigen::VectorXd;
-  constexpr int patterns = 4;
   const Index n = system_.n(), rows = static_cast<Index>(partition_.rows.size());
   const auto k = static_cast<Index>(partition_.ai.size()), m = static_cast<Index>(partition_.d.size()),
              l = static_cast<Index>(partition_.ad.size());
+  /// What comes out of `solve` where terms of these sizes go in.
+  const auto solved = [](const VectorXd& sizes, const auto& solve) {
+    constexpr Index patterns = 4;
+    VectorXd largest = VectorXd::Zero(sizes.size()), x;
+    for (Index pattern = 1; pattern <= patterns && sizes.size() > 0; ++pattern) {
+      x = sizes;
+      for (Index i = 0; i < x.size(); ++i) x(i) *= (i / pattern) % 2 == 0 ? 1.0 : -1.0;
+      solve(std::span<double>(x.data(), static_cast<std::size_t>(x.size())));
+      largest = largest.cwiseMax(x.cwiseAbs());
+    }
+    return largest;
+  };
   VectorXd nominal(states);
   for (Index j = 0; j < states; ++j) nominal(j) = reduced_states_[static_cast<std::size_t>(j)].nominal;
-  const VectorXd moved = (motion_.leftCols(states).cwiseAbs() * nominal.asDiagonal()).rowwise().maxCoeff();
-  const VectorXd terms = matrix(loads_).cwiseAbs() * moved;
+  VectorXd moved = (motion_.leftCols(states).cwiseAbs() * nominal.asDiagonal()).rowwise().maxCoeff();
+  // Dependent coordinates and rates, as large as the terms that they are solved from would let them be.
+  const auto raise = [&](const std::vector<Index>& coordinates, Index offset, const auto& sizes) {
+    for (std::size_t i = 0; i < coordinates.size(); ++i)
+      moved(offset + coordinates[i]) = std::max(moved(offset + coordinates[i]), sizes(static_cast<Index>(i)));
+  };
+  raise(partition_.d, 0, solved(matrix(C_x_).cwiseAbs() * moved.head(n), [&](auto x) { lu_C_xd_.solve(x, 1); }));
   const VectorXd rates = matrix(D_).cwiseAbs() * moved.segment(n, n) + matrix(D_rate_).cwiseAbs() * moved.head(n);
+  const VectorXd drift = solved(rates, [&](auto x) { lu_D_dd_.solve(x, 1); });
+  raise(partition_.d, n, drift.head(m));
+  raise(partition_.ad, n, drift.tail(rows - m));
+  const VectorXd response = solved(matrix(loads_).cwiseAbs() * moved, [&](auto x) { kkt_.solve(x); });
 
-  VectorXd response = VectorXd::Zero(terms.size()), drift = VectorXd::Zero(rows);
-  for (Index pattern = 1; pattern <= patterns; ++pattern) {
-    const auto signs = [&](const VectorXd& sizes) {
-      VectorXd terms_of_sign = sizes;
-      for (Index i = 0; i < sizes.size(); ++i) terms_of_sign(i) *= (i / pattern) % 2 == 0 ? 1.0 : -1.0;
-      return terms_of_sign;
-    };
-    VectorXd solved = signs(terms);
-    kkt_.solve({solved.data(), static_cast<std::size_t>(solved.size())});
-    response = response.cwiseMax(solved.cwiseAbs());
-    if (l == 0) continue;
-    solved = signs(rates);
-    lu_D_dd_.solve({solved.data(), static_cast<std::size_t>(solved.size())}, 1);
-    drift = drift.cwiseMax(solved.cwiseAbs());
-  }
   VectorXd rounding = VectorXd::Zero(states);
   for (Index i = 0; i < k; ++i) rounding(k + i) = response(partition_.ai[static_cast<std::size_t>(i)]);
-  rounding.segment(2 * k, l) = drift.segment(m, l);
+  rounding.segment(2 * k, l) = drift.tail(l);
   rounding.tail(system_.nz()) = response.tail(system_.nz());
   return std::numeric_limits<double>::epsilon() * rounding.cwiseQuotient(nominal);
 }

@@ -10,8 +10,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Signs of rounding that conspire more than those that were tried.
-constexpr double rounding_margin = 20.0;
+// Terms that cancel already inside an entry, and signs that conspire more than those that were tried.
+constexpr double rounding_margin = 100.0;
 
 /// An orthonormal basis [null space, complement] of M's columns; `rank` by pivoted QR of the row-equilibrated matrix,
 /// which has the same null space and comparable rows: a fast row cannot hide a slow one.
