@@ -260,7 +260,8 @@ Spectrum find_spectrum(const LinearModel& model) {
   const VectorXd nominal = nominals(model);
   const Index n = nominal.size();
   const VectorXd row_rounding = model.rounding.size() == n ? model.rounding : VectorXd::Zero(n);
-  const MatrixXd A = without_rounding(nominal.cwiseInverse().asDiagonal() * model.A * nominal.asDiagonal(), row_rounding);
+  const MatrixXd A =
+      without_rounding(nominal.cwiseInverse().asDiagonal() * model.A * nominal.asDiagonal(), row_rounding);
   Spectrum spectrum;
   if (!A.allFinite())
     throw AnalysisError("modes", "a Jacobian with entries that are not finite", "a finite Jacobian",
