@@ -295,6 +295,36 @@ Census census_of(const System& system, const Linearization& linear) {
   return census;
 }
 
+namespace {
+
+/// Shares of states in every nonzero mode, and their sums by the component that owns them.
+void write_participation(JsonWriter& json, const LinearModel& model, const Spectrum& spectrum) {
+  const Eigen::MatrixXd shares = participation(spectrum);
+  json.key("participation").begin_list();
+  for (Eigen::Index k = 0; k < shares.cols(); ++k) {
+    std::vector<std::pair<std::string, double>> components;
+    json.begin_object().key("states").begin_object();
+    for (Eigen::Index i = 0; i < shares.rows(); ++i) {
+      const std::string& name = model.states[static_cast<std::size_t>(i)].name;
+      const std::string owner = name.substr(0, name.find('.'));
+      json.member(name, shares(i, k));
+      const auto known =
+          std::find_if(components.begin(), components.end(), [&](const auto& c) { return c.first == owner; });
+      if (known == components.end()) {
+        components.emplace_back(owner, shares(i, k));
+      } else {
+        known->second += shares(i, k);
+      }
+    }
+    json.end_object().key("components").begin_object();
+    for (const auto& [owner, share] : components) json.member(owner, share);
+    json.end_object().end_object();
+  }
+  json.end_list();
+}
+
+}  // namespace
+
 std::string spectrum_document(const System& system, const Linearization& linear, const Census& census) {
   const LinearModel& model = linear.model;
   const Spectrum& spectrum = census.spectrum;
@@ -345,6 +375,17 @@ std::string spectrum_document(const System& system, const Linearization& linear,
     json.end_object();
   }
   json.end_list();
+  json.key("left_vectors").begin_list();
+  for (Eigen::Index k = 0; k < spectrum.left.cols(); ++k) {
+    json.begin_object();
+    for (Eigen::Index i = 0; i < spectrum.left.rows(); ++i) {
+      const std::complex<double> share = spectrum.left(i, k);
+      json.key(model.states[static_cast<std::size_t>(i)].name).values(std::vector<double>{share.real(), share.imag()});
+    }
+    json.end_object();
+  }
+  json.end_list();
+  write_participation(json, model, spectrum);
   write_modal_details(json, system, linear, spectrum);
   json.end_object();
   return json.take();

@@ -38,10 +38,12 @@ Of systems with thousands of states a scene selects: "modes": {"count": 20} the 
 in a band, {"within": "10 1/s"} all with |s| below. They come from the sparse unreduced form, with their residuals and a
 proof that none was missed ("prove": false skips it); --out DIR writes selected_modes.json and mode_shapes.csv.
 
---json prints {"unstable": n, "zeros": n, "zeros_predicted": n, "states": [...], "eigenvalues": [{"re", "im", "zero", "cause", "damping_ratio", "frequency_hz",
-"condition", "doubtful"}], "zero_blocks": [{"size", "kind", "cause", "moves"}], "conserved": [{STATE: share}],
-"mode_shapes": [{STATE: [re, im]}], "full_shapes": [{"variables": {NAME: [re, im]}, "multipliers": {NAME: [re, im]}}],
-"energies": [{"kinetic", "potential", "pressure", "dissipated", "components": {NAME: {...}}}]}
+--json prints {"unstable": n, "zeros": n, "zeros_predicted": n, "states": [...], "eigenvalues": [{"re", "im", "zero",
+"cause", "damping_ratio", "frequency_hz", "condition", "doubtful"}], "zero_blocks": [{"size", "kind", "cause", "moves"}],
+"conserved": [{STATE: share}], "mode_shapes": [{STATE: [re, im]}], "left_vectors": [{STATE: [re, im]}], "participation":
+[{"states": {STATE: share}, "components": {NAME: share}}], "full_shapes": [{"variables": {NAME: [re, im]},
+"multipliers": {NAME: [re, im]}}], "energies": [{"kinetic", "potential", "pressure", "dissipated", "components": {NAME:
+{...}}}]}
 )",
     run};
 

@@ -127,7 +127,7 @@ int run(const Arguments& arguments) {
   if (findings.ranked.size() > most_shown)
     out += "\nThe " + std::to_string(most_shown) + " most important of " + std::to_string(findings.ranked.size()) +
            " numbers; --json prints all, for every eigenvalue.\n";
-  const std::size_t zeros = static_cast<std::size_t>(findings.spectrum.zero_count());
+  const auto zeros = static_cast<std::size_t>(findings.spectrum.zero_count());
   if (zeros > 0)
     out += '\n' + counted(zeros, "zero") + " of the spectrum: told by `bramah modes`, not differentiated.\n";
   for (const Failed& failed : findings.failed) out += "\n" + failed.name + ": " + failed.why + '\n';

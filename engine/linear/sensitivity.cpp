@@ -36,10 +36,12 @@ std::vector<Complex> derivatives(const Eigen::MatrixXd& dA, const MatrixXcd& W, 
   const Eigen::FullPivLU<MatrixXcd> lu(product);
   if (std::abs(lu.matrixLU()(product.rows() - 1, product.cols() - 1)) < together) {
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
-    return std::vector<Complex>(static_cast<std::size_t>(product.cols()), {none, none});
+    std::vector<Complex> undetermined(static_cast<std::size_t>(product.cols()), {none, none});
+    return undetermined;
   }
   const Eigen::VectorXcd values = Eigen::ComplexEigenSolver<MatrixXcd>(lu.solve(change), false).eigenvalues();
-  return {values.data(), values.data() + values.size()};
+  std::vector<Complex> list(values.data(), values.data() + values.size());
+  return list;
 }
 
 }  // namespace

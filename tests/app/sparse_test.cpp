@@ -97,6 +97,15 @@ TEST_F(Cli, ModesTellStabilityAndForetellZeros) {
   EXPECT_EQ(found.at("unstable"), 0);
   EXPECT_EQ(found.at("zeros"), 2);
   EXPECT_EQ(found.at("zeros_predicted"), 2);
+  // The valve stands alone: its state alone takes part, and its left and right vectors are each other's inverse.
+  for (std::size_t k = 0; k < 4; ++k) {
+    const json& shares = found.at("participation")[k];
+    double sum = 0.0;
+    for (const json& share : shares.at("components")) sum += share.get<double>();
+    EXPECT_NEAR(sum, 1.0, 1e-12);
+    if (std::abs(found.at("eigenvalues")[k].at("re").get<double>() + 1.0 / 0.0045) > 1e-6) continue;
+    EXPECT_NEAR(shares.at("components").at("valve").get<double>(), 1.0, 1e-12);
+  }
   // Undamped: real parts are rounding, on either side.
   EXPECT_EQ(document("modes " + lattice).at("unstable"), 0);
 }
