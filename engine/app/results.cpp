@@ -291,7 +291,9 @@ Census census_of(const System& system, const Linearization& linear) {
   Descriptor descriptor(system, linear.partition.rows);
   descriptor.evaluate(linear.state);
   census.unpredicted = descriptor.changing();
-  if (census.unpredicted.empty()) census.predicted = predict_zeros(descriptor);
+  if (!census.unpredicted.empty()) return census;
+  census.predicted = predict_zeros(descriptor);
+  settle_doubtful(linear.model, *census.predicted, census.spectrum);
   return census;
 }
 

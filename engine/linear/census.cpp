@@ -189,4 +189,68 @@ ZeroPrediction predict_zeros(const Descriptor& descriptor) {
   }
 }
 
+namespace {
+
+/// Sizes of the blocks that are foretold and not found; empty where a found one was not foretold.
+std::vector<int> missing_blocks(const ZeroPrediction& predicted, const Spectrum& spectrum) {
+  std::vector<int> missing = predicted.block_sizes;
+  for (const ZeroBlock& block : spectrum.zeros) {
+    const auto found = std::find(missing.begin(), missing.end(), block.size);
+    if (found == missing.end()) return {};
+    missing.erase(found);
+  }
+  return missing;
+}
+
+ZeroBlock block_along(const LinearModel& model, const Eigen::VectorXcd& vector, int size) {
+  constexpr double share = 1e-3;  // of the largest move, in nominals
+  ZeroBlock block{size, "zero by ranks of the unreduced matrices", "", {}};
+  VectorXd moves(vector.size());
+  for (Index i = 0; i < moves.size(); ++i)
+    moves(i) = std::abs(vector(i)) / model.states[static_cast<std::size_t>(i)].nominal;
+  block.cause = block.kind + ", which rounding blurs in the reduced one; moves";
+  for (Index i = 0; i < moves.size(); ++i) {
+    if (moves(i) <= share * moves.maxCoeff()) continue;
+    const std::string& name = model.states[static_cast<std::size_t>(i)].name;
+    block.cause += (block.moves.empty() ? " " : ", ") + name;
+    block.moves.emplace_back(name, vector(i).real());
+  }
+  return block;
+}
+
+}  // namespace
+
+void settle_doubtful(const LinearModel& model, const ZeroPrediction& predicted, Spectrum& spectrum) {
+  const std::vector<int> missing = missing_blocks(predicted, spectrum);
+  std::vector<Index> kept, doubtful, zeros;
+  for (std::size_t k = 0; k < spectrum.modes.size(); ++k) {
+    const Mode& mode = spectrum.modes[k];
+    (mode.zero ? zeros : mode.doubtful ? doubtful : kept).push_back(static_cast<Index>(k));
+  }
+  const int wanted = std::accumulate(missing.begin(), missing.end(), 0);
+  if (wanted == 0 || wanted != static_cast<int>(doubtful.size())) return;
+
+  std::size_t next = 0;
+  for (const int size : missing) {
+    const ZeroBlock block = block_along(model, spectrum.right.col(doubtful[next]), size);
+    for (int j = 0; j < size; ++j) {
+      Mode& mode = spectrum.modes[static_cast<std::size_t>(doubtful[next++])];
+      mode.eigenvalue = 0.0;
+      mode.zero = true;
+      mode.doubtful = false;
+      mode.cause = block.cause;
+    }
+    spectrum.zeros.push_back(block);
+  }
+  const Spectrum from = spectrum;
+  spectrum.left.resize(from.left.rows(), static_cast<Index>(kept.size()));
+  for (std::size_t k = 0; k < kept.size(); ++k) spectrum.left.col(static_cast<Index>(k)) = from.left.col(kept[k]);
+  kept.insert(kept.end(), zeros.begin(), zeros.end());
+  kept.insert(kept.end(), doubtful.begin(), doubtful.end());
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    spectrum.modes[k] = from.modes[static_cast<std::size_t>(kept[k])];
+    spectrum.right.col(static_cast<Index>(k)) = from.right.col(kept[k]);
+  }
+}
+
 }  // namespace bramah

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "linear/descriptor.hpp"
+#include "linear/spectrum.hpp"
 
 namespace bramah {
 
@@ -24,5 +25,9 @@ struct ZeroPrediction {
 
 /// AnalysisError where det P(s) is zero at every s.
 ZeroPrediction predict_zeros(const Descriptor& descriptor);
+
+/// Takes doubtful modes for the zeros that are foretold and missing, where they are as many: rounding explains them, and
+/// ranks of the unreduced coefficients want them. Otherwise changes nothing.
+void settle_doubtful(const LinearModel& model, const ZeroPrediction& predicted, Spectrum& spectrum);
 
 }  // namespace bramah

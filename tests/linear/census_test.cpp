@@ -65,8 +65,8 @@ bool looks_unstable(const std::vector<std::complex<double>>& eigenvalues) {
 
 TEST(Census, IsRightOnRandomMachines) {
   constexpr int machines = 300;
-  int compared = 0, called_unstable = 0, exact_called_unstable = 0, split = 0;
-  Index zeros = 0;
+  int compared = 0, called_unstable = 0, exact_called_unstable = 0;
+  Index zeros = 0, settled = 0;
   double accepted = 1.0, refused = 0.0;
   for (int seed = 1; seed <= machines; ++seed) {
     const support::RandomMachine random = support::random_machine(static_cast<std::uint64_t>(seed));
@@ -79,7 +79,7 @@ TEST(Census, IsRightOnRandomMachines) {
     Linearizer linearizer(system, partition);
     LinearModel model, augmented;
     linearizer.linearize(state, model);
-    const Spectrum spectrum = find_spectrum(model);
+    Spectrum spectrum = find_spectrum(model);
     Descriptor descriptor(system, partition.rows);
     descriptor.evaluate(state);
     EXPECT_EQ(descriptor.changing(), "");
@@ -87,17 +87,14 @@ TEST(Census, IsRightOnRandomMachines) {
 
     EXPECT_EQ(predicted.block_sizes, random.zero_blocks);
     EXPECT_EQ(spectrum.unstable_count(), 0);
-    const auto doubtful =
-        std::count_if(spectrum.modes.begin(), spectrum.modes.end(), [](const Mode& mode) { return mode.doubtful; });
-    // Seed 258: multipliers found to 4e-10 only leave 1e-11 in the row of a motion that nothing restores, more than the
-    // estimate of the row's rounding. The pair is not taken for zeros, and said to be doubtful.
-    if (doubtful > 0 && spectrum.zero_count() + doubtful == predicted.count()) {
-      ++split;
-    } else {
-      EXPECT_EQ(block_sizes(spectrum), random.zero_blocks);
-      EXPECT_EQ(spectrum.zero_count(), predicted.count());
-      EXPECT_EQ(doubtful, 0);
-    }
+    // Seed 258: multipliers known to 4e-10 leave more in the row of a motion that nothing restores than the estimate of
+    // its rounding. The reduced Jacobian alone is in doubt there; together with the foretold count it is not.
+    settled += std::count_if(spectrum.modes.begin(), spectrum.modes.end(), [](const Mode& m) { return m.doubtful; });
+    settle_doubtful(model, predicted, spectrum);
+    EXPECT_EQ(block_sizes(spectrum), random.zero_blocks);
+    EXPECT_EQ(spectrum.zero_count(), predicted.count());
+    EXPECT_EQ(spectrum.left.cols() + spectrum.zero_count(), spectrum.right.cols());
+    EXPECT_TRUE(std::none_of(spectrum.modes.begin(), spectrum.modes.end(), [](const Mode& m) { return m.doubtful; }));
     zeros += predicted.count();
     accepted = std::min(accepted, predicted.accepted);
     refused = std::max(refused, predicted.refused);
@@ -109,7 +106,7 @@ TEST(Census, IsRightOnRandomMachines) {
     linearizer.linearize_augmented(state, augmented);
     if (looks_unstable(plain_eigenvalues(augmented))) ++exact_called_unstable;
   }
-  EXPECT_LE(split, 1);
+  EXPECT_LE(settled, 2);  // one pair in all
   // A gap of six orders between what counts as a pivot and what does not.
   EXPECT_GT(accepted, 1e-6);
   EXPECT_LT(refused, 1e-12);
