@@ -9,9 +9,20 @@
 #include "io/output_file.hpp"
 #include "io/read_scene.hpp"
 #include "solve/start.hpp"
+#include "system/analysis_error.hpp"
 
 namespace bramah {
 namespace {
+
+/// A dense model of gigabytes helps nobody.
+void refuse_too_large(const System& system, const Partition& partition) {
+  constexpr Index most = 200'000'000;  // numbers in the largest dense matrix, 1.6 GB
+  const Index states = static_cast<Index>(2 * partition.ai.size() + partition.ad.size()) + system.nz();
+  if (states * (2 * system.n() + system.nz()) <= most) return;
+  throw AnalysisError("linearize", std::to_string(states) + " states, too many for a dense Jacobian",
+                      "a system of some thousand states, or a selection of its modes",
+                      "select modes, --set modes.count=20, or take the sparse form, --set linearize.form=descriptor");
+}
 
 [[noreturn]] void fail_to_print() {
   throw WriteError("standard output", std::string("cannot be written: ") + std::strerror(errno),
@@ -52,6 +63,7 @@ Linearization linearize(const Compiled& compiled, const Prescribed& prescribed) 
   }
   result.state.side = options.linearize.side;
   result.partition = choose_partition(system, result.state, prescribed);
+  refuse_too_large(system, result.partition);
   Linearizer linearizer(system, result.partition, options.outputs);
   linearizer.linearize(result.state, result.model);
   result.conditions = linearizer.conditions();

@@ -110,5 +110,13 @@ TEST_F(Cli, ModesTellStabilityAndForetellZeros) {
   EXPECT_EQ(document("modes " + lattice).at("unstable"), 0);
 }
 
+TEST_F(Cli, DenseModelsOfGigabytesAreRefused) {
+  write("chain.json", support::scene_text(support::planar_chain(5000)));
+  const Ended run = bramah("modes chain.json");
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.err, HasSubstr("10000 states, too many for a dense Jacobian"));
+  EXPECT_THAT(run.err, HasSubstr("--set modes.count=20"));
+}
+
 }  // namespace
 }  // namespace bramah
