@@ -1,5 +1,6 @@
 #include "app/sparse_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -62,7 +63,13 @@ Eigenpairs selected(const Descriptor& descriptor, const ModesOptions& options, I
       const double middle = turn * 0.5 * (options.band_from + options.band_to);
       return find_inside(descriptor, {{0.0, middle}, turn * 0.5 * (options.band_to - options.band_from)}, zeros, proof);
     }
-    case ModesOptions::Select::within: return find_inside(descriptor, {0.0, options.within}, zeros, proof);
+    case ModesOptions::Select::within: {
+      Eigenpairs found = find_inside(descriptor, {0.0, options.within}, zeros, proof);
+      std::stable_sort(found.pairs.begin(), found.pairs.end(), [](const Eigenpair& a, const Eigenpair& b) {
+        return a.eigenvalue.real() > b.eigenvalue.real();
+      });
+      return found;
+    }
     default: return find_nearest(descriptor, options.count, options.shift, zeros, proof);
   }
 }

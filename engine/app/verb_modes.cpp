@@ -35,8 +35,8 @@ Examples
   bramah modes scenes/four_bar/overdamped.json --set "seal.F_c=21 N" --set "seal.F_s=83 N" --set seal.sigma_2=33
 
 Of systems with thousands of states a scene selects: "modes": {"count": 20} the slowest, {"band": ["1 Hz", "2 Hz"]} those
-in a band, {"within": "10 1/s"} all with |s| below. They come from the sparse unreduced form, with their residuals and a
-proof that none was missed ("prove": false skips it); --out DIR writes selected_modes.json and mode_shapes.csv.
+in a band, {"within": "10 1/s"} all with |s| below, largest real part first. They come from the sparse unreduced form, with
+their residuals and a proof that none was missed ("prove": false skips it); --out DIR writes selected_modes.json and mode_shapes.csv.
 
 --json prints {"unstable": n, "zeros": n, "zeros_predicted": n, "states": [...], "eigenvalues": [{"re", "im", "zero",
 "cause", "damping_ratio", "frequency_hz", "condition", "doubtful"}], "zero_blocks": [{"size", "kind", "cause", "moves"}],

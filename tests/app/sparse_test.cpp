@@ -53,6 +53,17 @@ TEST_F(Cli, BandOfALongChain) {
   }
 }
 
+TEST_F(Cli, ModesWithinARadiusHaveTheLargestRealPartFirst) {
+  const std::string bicycle = "'" BRAMAH_SOURCE_DIR "/scenes/bicycle/benchmark.json'";
+  const json found = document("modes " + bicycle + " --set constants.v=7 --set modes.within=100");
+  ASSERT_EQ(found.at("eigenvalues").size(), 3U);
+  EXPECT_EQ(found.at("zeros"), 6);
+  // Above the capsize speed: unstable, slowly.
+  EXPECT_GT(found.at("eigenvalues")[0].at("re").get<double>(), 0.0);
+  for (std::size_t k = 1; k < 3; ++k)
+    EXPECT_LT(found.at("eigenvalues")[k].at("re").get<double>(), found.at("eigenvalues")[k - 1].at("re").get<double>());
+}
+
 TEST_F(Cli, DescriptorFormAsMatrixMarket) {
   const json document = this->document("linearize " + lattice + " --set linearize.form=descriptor --out results");
   EXPECT_EQ(document.at("states").size(), 16U);
