@@ -101,7 +101,6 @@ Comparison compare(const Context& context, const Linearization& linear, const st
   const System& system = context.system();
   Linearizer linearizer(system, linear.partition);
   LinearModel model;
-  Spectrum spectrum;
   progress(0.0);
   // Every contender is timed to its plain eigenvalues; the reduced ones shown are those of the full analysis.
   result.reduced_seconds = median_seconds(
@@ -110,7 +109,7 @@ Comparison compare(const Context& context, const Linearization& linear, const st
         result.reduced = plain_eigenvalues(model);
       },
       budget);
-  spectrum = find_spectrum(model);
+  const Spectrum spectrum = find_spectrum(linear.model);
   result.reduced = eigenvalues_of(spectrum);
   result.reduced_size = result.reduced.size();
   result.reduced_looks_unstable = looks_unstable(result.reduced);

@@ -66,6 +66,7 @@ Linearization linearize(const Compiled& compiled, const Prescribed& prescribed) 
   refuse_too_large(system, result.partition);
   Linearizer linearizer(system, result.partition, options.outputs);
   linearizer.linearize(result.state, result.model);
+  linearizer.estimate_rounding(result.model);
   result.conditions = linearizer.conditions();
   result.motion = linearizer.motion();
   result.response = linearizer.response();

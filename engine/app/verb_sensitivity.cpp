@@ -30,9 +30,9 @@ struct Findings {
 Findings find(const Context& context, const Linearization& linear) {
   const System& system = context.system();
   Linearizer linearizer(system, linear.partition);
-  LinearModel model;
+  LinearModel model;  // linear.model again: the linearizer must have been there
   linearizer.linearize(linear.state, model);
-  Findings findings{find_spectrum(model), {}, {}};
+  Findings findings{find_spectrum(linear.model), {}, {}};
   std::vector<SceneNumber> numbers;
   for (const std::string& name : context.arguments.by) numbers.push_back(find_number(system, name));
   if (context.arguments.by.empty()) numbers = differentiable_numbers(system);

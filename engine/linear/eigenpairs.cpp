@@ -242,6 +242,12 @@ Eigen::MatrixXcd all_at_once(const ShiftInvert& op, Index wanted) {
   return vectors;
 }
 
+void sort_by_distance(Eigenpairs& list, Complex from) {
+  std::stable_sort(list.pairs.begin(), list.pairs.end(), [&](const Eigenpair& a, const Eigenpair& b) {
+    return std::abs(a.eigenvalue - from) < std::abs(b.eigenvalue - from);
+  });
+}
+
 /// Takes `wanted` eigenvalues nearest to the shift, conjugates counted, into `result`.
 void iterate(const Descriptor& descriptor, ShiftInvert& op, Index wanted, Eigenpairs& result) {
   wanted = std::min(wanted, descriptor.states());
@@ -258,16 +264,13 @@ void iterate(const Descriptor& descriptor, ShiftInvert& op, Index wanted, Eigenp
     if (pair.eigenvalue.imag() < 0.0 && result.shift.imag() >= 0.0) continue;  // its partner tells the same
     result.pairs.push_back(std::move(pair));
   }
-  std::stable_sort(result.pairs.begin(), result.pairs.end(), [&](const Eigenpair& a, const Eigenpair& b) {
-    return std::abs(a.eigenvalue - result.shift) < std::abs(b.eigenvalue - result.shift);
-  });
+  sort_by_distance(result, result.shift);
 }
 
 /// Takes the eigenvalue 0 of known multiplicity out of the pairs: rounding scatters it, ranks do not.
 void take_zeros(Eigenpairs& result, Index zeros) {
-  std::stable_sort(result.pairs.begin(), result.pairs.end(), [](const Eigenpair& a, const Eigenpair& b) {
-    return std::abs(a.eigenvalue) < std::abs(b.eigenvalue);
-  });
+  if (zeros == 0) return;
+  sort_by_distance(result, 0.0);
   std::size_t taken = 0;
   while (result.zeros < zeros && taken < result.pairs.size())
     result.zeros += result.pairs[taken++].eigenvalue.imag() == 0.0 ? 1 : 2;
@@ -277,9 +280,7 @@ void take_zeros(Eigenpairs& result, Index zeros) {
         std::to_string(result.zeros) + " eigenvalues at zero by iteration and " + std::to_string(zeros) + " by ranks",
         "the same count", "move the shift away from zero");
   result.pairs.erase(result.pairs.begin(), result.pairs.begin() + static_cast<std::ptrdiff_t>(taken));
-  std::stable_sort(result.pairs.begin(), result.pairs.end(), [&](const Eigenpair& a, const Eigenpair& b) {
-    return std::abs(a.eigenvalue - result.shift) < std::abs(b.eigenvalue - result.shift);
-  });
+  sort_by_distance(result, result.shift);
 }
 
 /// Residuals and scales of all pairs, and a step of Newton's method where the iteration left digits: where the residual
@@ -317,19 +318,17 @@ void prove(const Descriptor& descriptor, Eigenpairs& result) {
 Eigenpairs find_nearest(const Descriptor& descriptor, Index count, double shift, Index zeros, Proof proof) {
   Eigenpairs result;
   ShiftInvert op(descriptor);
-  result.shift = factor_near(op, shift > 0.0 ? shift : slow_rate(descriptor, op));
-  // One more than asked for: the circle of the proof runs between the last and the next.
-  iterate(descriptor, op, 2 * (count + 1) + zeros, result);
-  if (zeros > 0) take_zeros(result, zeros);
-  // Zeros draw the estimate of the slowest rate down: what they hid is found more exactly from nearby.
-  if (shift <= 0.0 && !result.pairs.empty() &&
-      std::abs(result.pairs.front().eigenvalue) > 8.0 * std::abs(result.shift)) {
-    const Complex nearer = factor_near(op, std::abs(result.pairs.front().eigenvalue));
+  const auto search = [&](double from) {
     result = Eigenpairs{};
-    result.shift = nearer;
+    result.shift = factor_near(op, from);
+    // One more than asked for: the circle of the proof runs between the last and the next.
     iterate(descriptor, op, 2 * (count + 1) + zeros, result);
-    if (zeros > 0) take_zeros(result, zeros);
-  }
+    take_zeros(result, zeros);
+  };
+  search(shift > 0.0 ? shift : slow_rate(descriptor, op));
+  // Zeros draw the estimate of the slowest rate down: what they hid is found more exactly from nearby.
+  if (shift <= 0.0 && !result.pairs.empty() && std::abs(result.pairs.front().eigenvalue) > 8.0 * std::abs(result.shift))
+    search(std::abs(result.pairs.front().eigenvalue));
   finish(descriptor, result);
   const auto kept = std::min(static_cast<std::size_t>(count), result.pairs.size());
   const auto distance = [&](std::size_t k) { return std::abs(result.pairs[k].eigenvalue - result.shift); };
@@ -359,7 +358,7 @@ Eigenpairs find_inside(const Descriptor& descriptor, const Disk& disk, Index zer
     if (all || result.pairs.empty() || !reach.contains(result.pairs.back().eigenvalue)) break;
   }
   result.disk = disk;
-  if (disk.contains(0.0) && zeros > 0) take_zeros(result, zeros);
+  if (disk.contains(0.0)) take_zeros(result, zeros);
   finish(descriptor, result);
   if (proof == Proof::wanted) prove(descriptor, result);
   std::erase_if(result.pairs, [&](const Eigenpair& pair) { return !disk.contains(pair.eigenvalue); });

@@ -252,15 +252,16 @@ void Linearizer::linearize(const State& state, LinearModel& model) {
   for (Index i = 0; i < l; ++i) take(2 * k + i, v.row(ad(i)));
   for (Index i = 0; i < nz; ++i) take(2 * k + l + i, response_.row(n + rows + i));
   model.states = reduced_states_;
-  model.rounding = row_rounding(states);
+  model.rounding.resize(0);
   measure(model, states);
   model.kinks = kinks_at(state);
 }
 
 /// The terms of which the rows of A are sums, without their signs, go the way of the sums. Of the signs that rounding may
 /// have, a few stand for all.
-Eigen::VectorXd Linearizer::row_rounding(Eigen::Index states) const {
+void Linearizer::estimate_rounding(LinearModel& model) const {
   using Eigen::VectorXd;
+  const Index states = model.A.rows();
   const Index n = system_.n(), rows = static_cast<Index>(partition_.rows.size());
   const auto k = static_cast<Index>(partition_.ai.size()), m = static_cast<Index>(partition_.d.size()),
              l = static_cast<Index>(partition_.ad.size());
@@ -295,7 +296,7 @@ Eigen::VectorXd Linearizer::row_rounding(Eigen::Index states) const {
   for (Index i = 0; i < k; ++i) rounding(k + i) = response(partition_.ai[static_cast<std::size_t>(i)]);
   rounding.segment(2 * k, l) = drift.tail(l);
   rounding.tail(system_.nz()) = response.tail(system_.nz());
-  return std::numeric_limits<double>::epsilon() * rounding.cwiseQuotient(nominal);
+  model.rounding = std::numeric_limits<double>::epsilon() * rounding.cwiseQuotient(nominal);
 }
 
 void Linearizer::linearize_augmented(const State& state, LinearModel& model) {
@@ -422,12 +423,14 @@ void LinearizerAlong::linearize(const State& state, LinearModel& model) {
     return choose(state, model);
   }
   conditions_ = linearizer_->conditions();
-  if (conditions_.worst() > std::max(worst_condition, 10.0 * when_chosen_)) choose(state, model);
+  if (conditions_.worst() > std::max(worst_condition, 10.0 * when_chosen_)) return choose(state, model);
+  linearizer_->estimate_rounding(model);
 }
 
 void LinearizerAlong::choose(const State& state, LinearModel& model) {
   linearizer_ = std::make_unique<Linearizer>(system_, choose_partition(system_, state, prescribed_), outputs_);
   linearizer_->linearize(state, model);
+  linearizer_->estimate_rounding(model);
   conditions_ = linearizer_->conditions();
   when_chosen_ = conditions_.worst();
   ++choices_;

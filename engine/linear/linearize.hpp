@@ -52,6 +52,8 @@ class Linearizer {
 
   /// `state` must satisfy Eqs. (16)-(20); AnalysisError names the worst row where it does not.
   void linearize(const State& state, LinearModel& model);
+  /// Fills model.rounding, after linearize: what find_spectrum needs to tell a zero from what cancelled to one.
+  void estimate_rounding(LinearModel& model) const;
   /// The same for the unreduced Eq. (98), X = (x, v, z), exactly: the Jacobian J of Eq. (99).
   void linearize_augmented(const State& state, LinearModel& model);
 
@@ -77,7 +79,6 @@ class Linearizer {
   void evaluate_along(const State& state, const Direction& along, const Request& request);
   void check_consistent() const;
   void respond();
-  [[nodiscard]] Eigen::VectorXd row_rounding(Eigen::Index states) const;
   void measure(LinearModel& model, Eigen::Index states) const;
   [[nodiscard]] std::vector<KinkTaken> kinks_at(const State& state) const;
 

@@ -92,7 +92,7 @@ class Newton {
     lu_.solve(rhs, step_);
   }
   /// Completes a direction whose parameters, inputs and held variables move: the others follow so that all rows stay zero.
-  /// False where they cannot. After evaluate and solve.
+  /// False where they cannot. After evaluate.
   bool follow(Direction& along) {
     constexpr double enough = 1e-8;  // what may remain of the rows
     Blocks moving(system_);
@@ -332,10 +332,7 @@ void move_equilibrium(const System& system, const EquilibriumOptions& options, c
     along.state.x[static_cast<std::size_t>(i)] = starts.x[static_cast<std::size_t>(i)];
   for (const Index i : options.hold_z)
     along.state.z[static_cast<std::size_t>(i)] = starts.z[static_cast<std::size_t>(i)];
-  if (newton.evaluate(true)) {
-    newton.solve();
-    if (newton.follow(along)) return;
-  }
+  if (newton.evaluate(true) && newton.follow(along)) return;
   throw AnalysisError("sensitivity", newton.failure().empty() ? "no equilibrium beside this one" : newton.failure(),
                       "an equilibrium that moves with the number",
                       "hold other variables: what is held may not balance");

@@ -74,7 +74,7 @@ Blocks::Blocks(const System& system)
   ly_.resize(size * ny);
 }
 
-void Blocks::gather(const Group& group, const State& state, Index first, Index count, Inputs& in) {
+void Blocks::gather(const Group& group, const State& state, Index first, Index count, Inputs& in) const {
   const bramah_type& type = *group.type;
   const auto copy = [&](const Vector& from, const std::vector<std::int32_t>& map, std::int32_t slots, Vector& to) {
     const std::int32_t* position = map.data() + first * slots;

@@ -69,7 +69,7 @@ class Blocks {
     const void* instances;
   };
   Outcome evaluate_all(const System& system, const State& state, const Direction* along, const Request& request);
-  void gather(const Group& group, const State& state, Index first, Index count, Inputs& in);
+  void gather(const Group& group, const State& state, Index first, Index count, Inputs& in) const;
   int call(const System& system, const Run& run, const Direction* along, bramah_batch& batch);
   void check_still(const System& system, const Run& run) const;
   void add_reactions(const Group& group, Index count, const double* d, const Vector& lambda);

@@ -35,7 +35,7 @@ class Direction {
     const bramah_tangent* tangent;
     Instances instance;
   };
-  void move_component(const System& system, const SceneNumber& number, Index component);
+  void move_component(const System& system, const SceneNumber& number, Index index);
   std::vector<Moving> moving_;
   std::vector<StartRef> starts_;
 };

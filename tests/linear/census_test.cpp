@@ -79,6 +79,7 @@ TEST(Census, IsRightOnRandomMachines) {
     Linearizer linearizer(system, partition);
     LinearModel model, augmented;
     linearizer.linearize(state, model);
+    linearizer.estimate_rounding(model);
     Spectrum spectrum = find_spectrum(model);
     Descriptor descriptor(system, partition.rows);
     descriptor.evaluate(state);

@@ -33,6 +33,7 @@ LinearModel linear_model(const Machine& machine, const State& state) {
                         choose_partition(machine.system(), state, machine.options().linearize.prescribed));
   LinearModel model;
   linearizer.linearize(state, model);
+  linearizer.estimate_rounding(model);
   return model;
 }
 
