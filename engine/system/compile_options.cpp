@@ -455,7 +455,8 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
   SimulateOptions& simulate = options.simulate;
   simulate.asked = root.find("simulate") != nullptr;
   reader.section(root, "simulate",
-                 {"from", "from_time", "to_time", "output_step", "output_times", "rel_tol", "max_step"},
+                 {"from", "from_time", "to_time", "output_step", "output_times", "integrator", "rel_tol", "max_step",
+                  "step", "rho_infinity"},
                  [&](const std::string& key, const Value& value, const std::string& where) {
                    if (key == "from") {
                      reader.word<SimulateOptions::From>(
@@ -470,16 +471,40 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
                      reader.number(value, where, "s", 0.0, simulate.output_step, true);
                    } else if (key == "output_times") {
                      reader.numbers(value, where, "s", simulate.output_times);
+                   } else if (key == "integrator") {
+                     using Integrator = SimulateOptions::Integrator;
+                     reader.word<Integrator>(value, where,
+                                             {{"auto", Integrator::automatic},
+                                              {"ida", Integrator::ida},
+                                              {"explicit", Integrator::explicit_one_step},
+                                              {"implicit", Integrator::implicit_one_step},
+                                              {"generalized_alpha", Integrator::generalized_alpha}},
+                                             simulate.integrator);
                    } else if (key == "rel_tol") {
                      reader.number(value, where, "1", 0.0, simulate.rel_tol, true);
-                   } else {
+                   } else if (key == "max_step") {
                      reader.number(value, where, "s", 0.0, simulate.max_step, true);
+                   } else if (key == "step") {
+                     reader.number(value, where, "s", 0.0, simulate.step, true);
+                   } else {
+                     reader.number(value, where, "1", 0.0, simulate.rho_infinity, false);
                    }
                  });
   if (simulate.asked && !(simulate.to_time > simulate.from_time)) {
     faults.add("out-of-range", "/simulate/to_time",
                "the simulation ends at to_time = " + with_unit(simulate.to_time, "s"),
                "a time after from_time = " + with_unit(simulate.from_time, "s"), "set \"to_time\"");
+  }
+  const bool fixed = simulate.integrator == SimulateOptions::Integrator::generalized_alpha;
+  if (fixed != (simulate.step > 0.0)) {
+    faults.add("conflict", "/simulate",
+               fixed ? "generalized_alpha without \"step\"" : "\"step\" without generalized_alpha",
+               "a fixed \"step\" with \"integrator\": \"generalized_alpha\", and with no other",
+               fixed ? "give \"step\", for example \"1 ms\"" : "limit the steps of other integrators by \"max_step\"");
+  }
+  if (simulate.rho_infinity > 1.0) {
+    faults.add("out-of-range", "/simulate/rho_infinity", "rho_infinity = " + with_unit(simulate.rho_infinity, "1"),
+               "0 ... 1: the part of the fastest motions that a step keeps", "0.8 is a good start");
   }
   if (!std::is_sorted(simulate.output_times.begin(), simulate.output_times.end())) {
     faults.add("out-of-range", "/simulate/output_times", "\"output_times\" go back", "ascending times", "sort them");

@@ -31,6 +31,10 @@ struct SimulateOptions {
   std::vector<double> output_times;  // additional, ascending
   double rel_tol = 1e-9;             // of each variable's own motion, see simulate.cpp
   double max_step = 0.0;             // 0: no limit
+  enum class Integrator { automatic, ida, explicit_one_step, implicit_one_step, generalized_alpha };
+  Integrator integrator = Integrator::ida;
+  double step = 0.0;          // s, of generalized_alpha, which needs one
+  double rho_infinity = 0.8;  // of generalized_alpha: spectral radius at infinite frequency, 0 ... 1
 };
 
 /// Coordinates that a partition shall use as x_ai and as x_ad; those not named are chosen.

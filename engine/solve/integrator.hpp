@@ -1,0 +1,60 @@
+// A method of marching in time: what `simulate` asks of it, whichever it is.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "system/options.hpp"
+#include "system/system.hpp"
+
+namespace bramah {
+
+/// Work done by an integrator; sums over all segments.
+struct IntegratorWork {
+  long steps = 0;
+  long evaluations = 0;        // of rows: residuals or rates
+  long jacobians = 0;          // evaluations of partials
+  long factorizations = 0;     // numeric
+  long newton_iterations = 0;  // zero for explicit methods
+  long error_test_failures = 0, convergence_failures = 0;
+};
+
+class Integrator {
+ public:
+  Integrator() = default;
+  Integrator(const Integrator&) = delete;
+  Integrator& operator=(const Integrator&) = delete;
+  virtual ~Integrator() = default;
+
+  /// As the scene names it: "ida", "explicit", "implicit", "generalized_alpha".
+  [[nodiscard]] virtual std::string_view name() const = 0;
+
+  /// Starts at state.t from a complete state (x and v on the constraints, a, lambda, zdot from the KKT solve). Steps do
+  /// not pass `end`, where an input breaks; inputs at `end` are those from before. Forgets all that lies behind.
+  virtual void begin(const State& state, double end) = 0;
+
+  /// One accepted step, to a state on the constraints. Returns the time reached, later than the one before. Throws
+  /// AnalysisError that names the row and the component that keep it from going on.
+  virtual double step() = 0;
+
+  /// t, side, x, v, z and inputs of `state` at a time within the last step, both ends included; a, zdot and lambda are
+  /// left as they are where the method does not have them.
+  virtual void interpolate(double t, State& state) = 0;
+
+  /// The variable that limited the last step: 0 .. n-1 in x, n .. 2n-1 in v, then z; -1 where none did.
+  [[nodiscard]] virtual Index limiting() = 0;
+
+  [[nodiscard]] virtual IntegratorWork work() const = 0;
+};
+
+/// Name of variable `i` in the order of Integrator::limiting.
+std::string variable_name(const System& system, Index i);
+
+std::unique_ptr<Integrator> make_ida(const System& system, const SimulateOptions& options, const State& start);
+std::unique_ptr<Integrator> make_explicit(const System& system, const SimulateOptions& options, const State& start);
+std::unique_ptr<Integrator> make_implicit(const System& system, const SimulateOptions& options, const State& start);
+std::unique_ptr<Integrator> make_generalized_alpha(const System& system, const SimulateOptions& options,
+                                                   const State& start);
+
+}  // namespace bramah
