@@ -2,7 +2,7 @@
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(LAPACK REQUIRED)
 find_package(spectra 1.0 REQUIRED)
-find_package(SUNDIALS 6.4 REQUIRED COMPONENTS ida nvecserial sunmatrixsparse)
+find_package(SUNDIALS 6.4 REQUIRED COMPONENTS arkode ida nvecserial sunmatrixsparse)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(TBB 2021 REQUIRED COMPONENTS tbb)

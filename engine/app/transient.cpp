@@ -72,7 +72,7 @@ void write_statistics(JsonWriter& json, const Transient& transient) {
   const SimulationStatistics& s = transient.simulation.statistics;
   json.member("reached_time", transient.simulation.last.t).member("interrupted", transient.interrupted);
   json.member("steps", s.steps).member("restarts", s.restarts).member("newton_iterations", s.newton_iterations);
-  json.member("residuals", s.residuals).member("jacobians", s.jacobians);
+  json.member("evaluations", s.evaluations).member("jacobians", s.jacobians);
   json.member("error_test_failures", s.error_test_failures).member("convergence_failures", s.convergence_failures);
   json.member("worst_position_violation", s.worst_position).member("worst_position_row", s.worst_position_row);
   json.member("worst_velocity_violation", s.worst_velocity).member("worst_velocity_row", s.worst_velocity_row);

@@ -41,7 +41,8 @@ Linearizer::Linearizer(const System& system, Partition partition, std::vector<Me
       outputs_(std::move(outputs)),
       blocks_(system),
       moving_(system),
-      kkt_(system, partition_.rows) {
+      kkt_(system, partition_.rows),
+      switches_(system) {
   const Index n = system.n(), nz = system.nz(), nu = system.nu(), zu = nz + nu;
   const Index rows = static_cast<Index>(partition_.rows.size()), m = partition_.holonomic;
   const std::span<const Index> all_rows = partition_.rows;
@@ -366,41 +367,13 @@ void Linearizer::measure(LinearModel& model, Eigen::Index states) const {
   model.outputs = output_names_;
 }
 
-std::vector<KinkTaken> Linearizer::kinks_at(const State& state) const {
+std::vector<KinkTaken> Linearizer::kinks_at(const State& state) {
   std::vector<KinkTaken> kinks;
-  for (const Group& group : system_.groups) {
-    const bramah_type& type = *group.type;
-    const auto* switches = extension<bramah_switches>(type, BRAMAH_EXTENSION_SWITCHES);
-    if (switches == nullptr) continue;
-    Vector values(static_cast<std::size_t>(switches->count)), x, v, z, u;
-    for (Index i = 0; i < group.count; ++i) {
-      const auto gather = [&](const Vector& from, const std::vector<std::int32_t>& map, std::int32_t slots,
-                              Vector& to) {
-        to.clear();
-        for (std::int32_t j = 0; j < slots; ++j)
-          to.push_back(from[static_cast<std::size_t>(map[static_cast<std::size_t>(i * slots + j)])]);
-      };
-      gather(state.x, group.x, type.nx, x);
-      gather(state.v, group.x, type.nx, v);
-      gather(state.z, group.z, type.nz, z);
-      gather(state.z, group.u, type.nu, u);
-      bramah_batch batch{};
-      batch.size = sizeof batch;
-      batch.count = 1;
-      batch.instances = group.instances.at(i);
-      batch.time = state.t;
-      batch.side = state.side;
-      batch.x = x.data();
-      batch.v = v.data();
-      batch.z = z.data();
-      batch.u = u.data();
-      if (switches->values(type.self, &batch, values.data()) != 0) continue;
-      for (std::size_t k = 0; k < values.size(); ++k) {
-        if (std::abs(values[k]) > kink_width * switches->nominal[k]) continue;
-        kinks.push_back(
-            {system_.component_name(group.component[static_cast<std::size_t>(i)]), switches->info[k].name, state.side});
-      }
-    }
+  const Vector& values = switches_.evaluate(state);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const Switches::Info& info = switches_.info()[k];
+    if (std::isnan(values[k]) || std::abs(values[k]) > kink_width * info.nominal) continue;
+    kinks.push_back({system_.component_name(info.component), info.name, state.side});
   }
   return kinks;
 }

@@ -14,6 +14,7 @@
 #include "solve/partition.hpp"
 #include "system/blocks.hpp"
 #include "system/options.hpp"
+#include "system/switches.hpp"
 
 namespace bramah {
 
@@ -80,7 +81,7 @@ class Linearizer {
   void check_consistent() const;
   void respond();
   void measure(LinearModel& model, Eigen::Index states) const;
-  [[nodiscard]] std::vector<KinkTaken> kinks_at(const State& state) const;
+  [[nodiscard]] std::vector<KinkTaken> kinks_at(const State& state);
 
   const System& system_;
   Partition partition_;
@@ -99,6 +100,7 @@ class Linearizer {
   Eigen::MatrixXd motion_;            // (2n + nz + nu) x columns: x, v, z, u that each column moves
   Eigen::MatrixXd response_;          // (n + m + l + nz) x columns: a, lambda, zdot that follow
   Eigen::MatrixXd work_;
+  Switches switches_;
 };
 
 /// Linearizes along states that differ. A partition is kept, so that models belong to the same coordinates, and chosen

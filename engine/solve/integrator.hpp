@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "system/analysis_error.hpp"
 #include "system/options.hpp"
 #include "system/system.hpp"
 
@@ -48,8 +49,15 @@ class Integrator {
   [[nodiscard]] virtual IntegratorWork work() const = 0;
 };
 
-/// Name of variable `i` in the order of Integrator::limiting.
+/// Name of variable `i` in the order of Integrator::limiting; "an unknown" beyond.
 std::string variable_name(const System& system, Index i);
+/// The component it belongs to, "" beyond.
+std::string variable_component(const System& system, Index i);
+
+/// The error of an integrator that cannot go on at time t: `why`, then what a component said, if any, and the variable
+/// that limited the step (-1: none).
+AnalysisError stalled(const System& system, double t, double step, std::string why, const std::string& trouble,
+                      Index limiting);
 
 std::unique_ptr<Integrator> make_ida(const System& system, const SimulateOptions& options, const State& start);
 std::unique_ptr<Integrator> make_explicit(const System& system, const SimulateOptions& options, const State& start);

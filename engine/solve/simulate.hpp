@@ -1,28 +1,32 @@
-// Simulation by IDA: the stabilized index-2 form of Gear, Gupta and Leimkuhler with the exact sparse Jacobian.
-//
-//   xdot - v + C_x^T mu = 0      f(t, x, v, vdot, z, lambda, u) = 0      g(t, x, v, z, zdot, u) = 0
-//   r(t, x, v) = 0               c(t, x) = 0
-//
-// Positions and velocities both satisfy their constraints at every step; mu is zero on the exact solution.
+// Simulation: segments between breakpoints and events, each marched by an integrator, with outputs on the way.
 #pragma once
 
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "solve/integrator.hpp"
 #include "solve/partition.hpp"
 #include "system/options.hpp"
 #include "system/system.hpp"
 
 namespace bramah {
 
-struct SimulationStatistics {
-  long steps = 0, residuals = 0, jacobians = 0, newton_iterations = 0, error_test_failures = 0,
-       convergence_failures = 0;
-  long restarts = 0;                                  // at breakpoints of the inputs
+struct EventTaken {
+  double time = 0.0;
+  std::string name;  // "relief.crack", or as the scene calls it
+};
+
+struct SimulationStatistics : IntegratorWork {
+  std::string integrator;                             // which one, and why where it was chosen
+  long restarts = 0;                                  // at breakpoints of the inputs and at events
   double worst_position = 0.0, worst_velocity = 0.0;  // constraint rows, over all accepted steps
   std::string worst_position_row, worst_velocity_row;
+  double smallest_step = 0.0, largest_step = 0.0;
+  std::string limiting;       // the variable that limited most steps
+  double limiting_share = 0;  // of the steps
   double seconds = 0.0;
+  double seconds_integrating = 0.0, seconds_events = 0.0, seconds_outputs = 0.0;  // where they went
 };
 
 struct Observer {
@@ -34,13 +38,26 @@ struct Observer {
 
 struct Simulation {
   SimulationStatistics statistics;
-  State last;            // the last state reached
-  bool stopped = false;  // by the observer
+  State last;              // the last state reached
+  bool stopped = false;    // by the observer
+  std::string stopped_by;  // the scene's event that ended the run
+  std::vector<EventTaken> events;
 };
 
-/// Runs from `start` (consistent in positions and velocities) to options.to_time. Output at from_time, every output_step,
-/// at output_times (every step where neither is given), at both sides of input breakpoints, and at the end. Throws
-/// AnalysisError where the integrator gives up; the message names the row and the component that limited the step.
+/// A run that could not go on: the same message, and the last good state.
+class SimulationError : public AnalysisError {
+ public:
+  SimulationError(const AnalysisError& error, State state) : AnalysisError(error), last_(std::move(state)) {}
+  [[nodiscard]] const State& last() const { return last_; }
+
+ private:
+  State last_;
+};
+
+/// Runs from `start` (consistent in positions and velocities; its time is where the run begins) to options.to_time.
+/// Output at the start, every output_step from from_time on, at output_times (every step where neither is given), at both
+/// sides of input breakpoints and of the scene's events, and at the end. Throws SimulationError where the integrator gives
+/// up; the message names the row and the component that limited the step.
 Simulation simulate(const System& system, const SimulateOptions& options, const State& start, const Observer& observer);
 
 }  // namespace bramah

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "system/system.hpp"
@@ -22,6 +23,16 @@ struct EquilibriumOptions {
   int max_iterations = 200;
 };
 
+/// A condition of the scene that ends a simulation, or sends inputs elsewhere, each time it comes true.
+struct EventOptions {
+  std::string name;
+  Measured of;
+  double level = 0.0;                           // SI
+  bool rises = true;                            // through the level from below; else falls from above
+  bool stop = false;                            // the simulation ends
+  std::vector<std::pair<Index, double>> holds;  // inputs that keep a value from then on
+};
+
 struct SimulateOptions {
   enum class From { start, equilibrium };
   From from = From::start;
@@ -35,6 +46,8 @@ struct SimulateOptions {
   Integrator integrator = Integrator::ida;
   double step = 0.0;          // s, of generalized_alpha, which needs one
   double rho_infinity = 0.8;  // of generalized_alpha: spectral radius at infinite frequency, 0 ... 1
+  bool meet_switches = true;  // locate the kinks of laws and restart there
+  std::vector<EventOptions> events;
 };
 
 /// Coordinates that a partition shall use as x_ai and as x_ad; those not named are chosen.

@@ -105,6 +105,7 @@ void apply_inputs(const System& system, State& state) {
     const InputSignal& input = system.inputs[i];
     state.z[system.z.size() + i] = input.signal->value(input.type->self, input.instance, state.t, state.side);
   }
+  for (const auto& [input, value] : state.held) state.z[system.z.size() + static_cast<std::size_t>(input)] = value;
 }
 
 double next_breakpoint(const System& system, double t) {

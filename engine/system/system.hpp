@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bramah/abi.h"
@@ -157,10 +158,11 @@ class System {
 /// A point in time: everything that the rows depend on. Cheap to copy.
 struct State {
   double t = 0.0;
-  int side = 1;    // of input jumps and switching points: +1 after, -1 before
-  Vector x, v, a;  // (n + constants); constants have v = a = 0
-  Vector z, zdot;  // (nz + nu + constants): variables, inputs, constants
-  Vector lambda;   // (m + l)
+  int side = 1;                                // of input jumps and switching points: +1 after, -1 before
+  Vector x, v, a;                              // (n + constants); constants have v = a = 0
+  Vector z, zdot;                              // (nz + nu + constants): variables, inputs, constants
+  Vector lambda;                               // (m + l)
+  std::vector<std::pair<Index, double>> held;  // inputs that an event has fixed, and their values
 };
 
 /// Parameters as the border takes them; the result points into both lists.
@@ -171,7 +173,7 @@ std::string parameter_unit(const bramah_type& type, const char* unit, const std:
 
 /// The state of the start values at time t, with inputs taken from their signals.
 State initial_state(const System& system, double t = 0.0);
-/// Sets the inputs of `state` from the signals at state.t on side state.side.
+/// Sets the inputs of `state` from the signals at state.t on side state.side, those of `held` to their values.
 void apply_inputs(const System& system, State& state);
 /// The first time after t where an input jumps or bends; HUGE_VAL where there is none.
 double next_breakpoint(const System& system, double t);
