@@ -1,5 +1,8 @@
 #include "app/transient.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "app/progress.hpp"
 #include "app/results.hpp"
 #include "solve/start.hpp"
@@ -57,14 +60,22 @@ Table statistics_table(const Transient& transient) {
   row("steps", std::to_string(s.steps) + " (" + counted(static_cast<std::size_t>(s.restarts), "restart") + ", " +
                    counted(static_cast<std::size_t>(s.error_test_failures), "failed error test") + ", " +
                    counted(static_cast<std::size_t>(s.convergence_failures), "failed Newton iteration") + ")");
-  row("Newton iterations", std::to_string(s.newton_iterations));
-  row("Jacobians", std::to_string(s.jacobians));
+  row("integrator", s.integrator);
+  row("step size", duration(s.smallest_step) + " ... " + duration(s.largest_step) +
+                       (s.limiting.empty() ? ""
+                                           : ", limited by " + s.limiting + " in " +
+                                                 short_number(std::round(100.0 * s.limiting_share), 3) + " % of the steps"));
+  row("evaluations", std::to_string(s.evaluations) + " of rows, " + std::to_string(s.jacobians) + " of partials");
+  row("factorizations", std::to_string(s.factorizations));
+  if (s.newton_iterations > 0) row("Newton iterations", std::to_string(s.newton_iterations));
   const auto violation = [](double value, const std::string& name) {
     return short_number(value, 2) + (name.empty() ? "" : " in " + name);
   };
   row("worst constraint violation", violation(s.worst_position, s.worst_position_row));
   row("worst violation of rates", violation(s.worst_velocity, s.worst_velocity_row));
-  row("time", duration(s.seconds));
+  const double rest = s.seconds - s.seconds_integrating - s.seconds_events - s.seconds_outputs;
+  row("time", duration(s.seconds) + ": integrating " + duration(s.seconds_integrating + std::max(rest, 0.0)) +
+                  ", events " + duration(s.seconds_events) + ", outputs " + duration(s.seconds_outputs));
   return table;
 }
 

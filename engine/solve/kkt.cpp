@@ -1,12 +1,14 @@
 #include "solve/kkt.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "system/analysis_error.hpp"
 
 namespace bramah {
 
-Kkt::Kkt(const System& system, std::span<const Index> rows) : system_(system), rows_(rows.begin(), rows.end()) {
+Kkt::Kkt(const System& system, std::span<const Index> rows, std::vector<double> softness)
+    : system_(system), rows_(rows.begin(), rows.end()), softness_(std::move(softness)) {
   const Index n = system.n(), nz = system.nz(), count = static_cast<Index>(rows_.size());
   size_ = n + count + nz;
   const std::vector<Index> x = shifted(n, 0), z = shifted(nz, n + count),
@@ -15,7 +17,9 @@ Kkt::Kkt(const System& system, std::span<const Index> rows) : system_(system), r
                         {BRAMAH_R_V, constraints, x, false, 0},
                         {BRAMAH_R_V, constraints, x, true, 0},
                         {BRAMAH_G_ZDOT, z, z, false, 0}};
-  plan_ = SparsePlan(system, size_, size_, terms);
+  std::vector<Diagonal> diagonals;
+  if (!softness_.empty()) diagonals.push_back({n, n, count, 1, softness_});
+  plan_ = SparsePlan(system, size_, size_, terms, diagonals);
   lu_.analyze({size_, size_, plan_.start().data(), plan_.row().data(), plan_.values().data()});
   rhs_.resize(static_cast<std::size_t>(size_));
 }
@@ -23,8 +27,8 @@ Kkt::Kkt(const System& system, std::span<const Index> rows) : system_(system), r
 Request Kkt::needed() { return Request{}.blocks({BRAMAH_F_A, BRAMAH_R_V, BRAMAH_G_ZDOT}); }
 
 void Kkt::factor(const Blocks& blocks) {
-  const double one = 1.0;
-  plan_.fill(blocks, {&one, 1});
+  const double weights[] = {1.0, -1.0};
+  plan_.fill(blocks, weights);
   if (lu_.factor({size_, size_, plan_.start().data(), plan_.row().data(), plan_.values().data()})) return;
   const Index i = lu_.singular_column();
   const std::string name = unknown_component(i);
@@ -37,6 +41,19 @@ void Kkt::factor(const Blocks& blocks) {
                       stores ? "check what stores at " + name + ": a chamber may have no length at the start values"
                              : "give " + name + " mass and inertia, or a constraint that holds it",
                       name.empty() ? name : "/components/" + name);
+}
+
+void Kkt::solve(std::span<double> rhs, Index count) const {
+  lu_.solve(rhs, count);
+  if (softness_.empty()) return;
+  const auto n = static_cast<std::size_t>(system_.n()), size = static_cast<std::size_t>(size_);
+  refinement_.assign(rhs.size(), 0.0);
+  for (std::size_t column = 0; column < rhs.size(); column += size) {
+    for (std::size_t k = 0; k < softness_.size(); ++k)
+      refinement_[column + n + k] = -softness_[k] * rhs[column + n + k];
+  }
+  lu_.solve(refinement_, count);
+  for (std::size_t i = 0; i < rhs.size(); ++i) rhs[i] += refinement_[i];
 }
 
 std::string Kkt::unknown_component(Index i) const {

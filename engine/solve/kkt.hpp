@@ -18,15 +18,17 @@ namespace bramah {
 
 class Kkt {
  public:
-  /// `rows`: independent rows of [c; b].
-  Kkt(const System& system, std::span<const Index> rows);
+  /// `rows`: independent rows of [c; b]. With a `softness` (one per row, 0 or more) the block of the rows is not 0 but
+  /// -softness: accelerations stay bounded where rows become dependent, at singular positions. Solutions are refined
+  /// once, so that softness / sigma^2 leaves its square only, sigma^2 an eigenvalue of D M^-1 D^T.
+  Kkt(const System& system, std::span<const Index> rows, std::vector<double> softness = {});
 
   /// What must be evaluated before factor.
   static Request needed();
   /// Factors with the values of `blocks`. Throws AnalysisError where the matrix is singular.
   void factor(const Blocks& blocks);
   /// Solves for `count` right-hand sides in place, (n + rows + nz) each, column-major.
-  void solve(std::span<double> rhs, Index count = 1) const { lu_.solve(rhs, count); }
+  void solve(std::span<double> rhs, Index count = 1) const;
 
   /// Sets a, lambda and zdot of `state` from its t, x, v, z and inputs.
   void complete(State& state, Blocks& blocks);
@@ -43,7 +45,8 @@ class Kkt {
   Index size_ = 0;
   SparsePlan plan_;
   sparse::Klu lu_;
-  Vector rhs_;
+  Vector rhs_, softness_;
+  mutable Vector refinement_;
 };
 
 }  // namespace bramah

@@ -13,6 +13,7 @@ namespace {
 // failure. Between the two lies the rounding of large machines.
 constexpr double closed = 1e-13;
 constexpr double refused = 1e-9;
+constexpr double left_open = 1e-4;  // what a step may leave open where nothing can be closed
 constexpr int most_corrections = 4;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
@@ -26,6 +27,32 @@ void add_product(const SparsePlan& A, std::span<const double> in, std::span<doub
   }
 }
 
+// Of D M^-1 D^T, row by row: below its root, 1e-5 of what constraints usually are, rows count as dependent.
+constexpr double softness = 1e-10;
+
+std::vector<double> softness_of(const System& system, const Partition& partition, const State& state) {
+  Blocks blocks(system);
+  const Outcome outcome = blocks.evaluate(system, state, Request{}.blocks({BRAMAH_F_A, BRAMAH_R_V}));
+  std::vector<double> result(partition.rows.size(), 0.0);
+  if (!outcome.ok()) return result;
+  const Index n = system.n(), rows = static_cast<Index>(partition.rows.size());
+  const std::vector<Index> x = shifted(n, 0), r = selected(system.m() + system.l(), partition.rows);
+  const Term mass_terms[] = {{BRAMAH_F_A, x, x, false, 0}}, row_terms[] = {{BRAMAH_R_V, r, x, false, 0}};
+  SparsePlan mass(system, n, n, mass_terms), D(system, rows, n, row_terms);
+  const double one = 1.0;
+  mass.fill(blocks, {&one, 1});
+  D.fill(blocks, {&one, 1});
+  for (Index j = 0; j < n; ++j) {
+    double inertia = 0.0;
+    for (Index e = mass.start()[at(j)]; e < mass.start()[at(j) + 1]; ++e)
+      inertia = std::max(inertia, std::abs(mass.values()[at(e)]));
+    if (inertia == 0.0) continue;  // moved by its constraints alone
+    for (Index e = D.start()[at(j)]; e < D.start()[at(j) + 1]; ++e)
+      result[at(D.row()[at(e)])] += softness * D.values()[at(e)] * D.values()[at(e)] / inertia;
+  }
+  return result;
+}
+
 }  // namespace
 
 Rates::Rates(const System& system, const State& start)
@@ -33,7 +60,7 @@ Rates::Rates(const System& system, const State& start)
       partition_(choose_partition(system, start)),
       blocks_(system),
       linear_(system),
-      kkt_(system, partition_.rows),
+      kkt_(system, partition_.rows, softness_of(system, partition_, start)),
       n_(system.n()),
       nz_(system.nz()),
       rows_(static_cast<Index>(partition_.rows.size())) {
@@ -119,9 +146,15 @@ bool Rates::close(State& state, Index& row) {
 void Rates::project(State& state) {
   if (rows_ == 0) return;
   Index row = 0;
+  before_ = {state.x, state.v};
   if (close(state, row)) return;
   evaluate(state);
   if (close(state, row)) return;
+  // At a singular position the corrections have no bound. The step is then taken as it is, and the next ones, beyond
+  // that position, close what it leaves open.
+  state.x = before_.first;
+  state.v = before_.second;
+  if (violation(state, row) < left_open) return;
   throw AnalysisError(
       "simulate",
       "at t = " + digits(state.t, 6) + " s " + system_.constraint(row).name + " cannot be closed by a small correction",

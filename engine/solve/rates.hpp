@@ -6,6 +6,7 @@
 
 #include <span>
 #include <string>
+#include <utility>
 
 #include "solve/kkt.hpp"
 #include "solve/partition.hpp"
@@ -50,6 +51,7 @@ class Rates {
   sparse::Klu lu_;
   double gamma_ = 0.0;
   Vector rhs_, product_;
+  std::pair<Vector, Vector> before_;  // x, v before the projection
   std::string singular_;
 };
 

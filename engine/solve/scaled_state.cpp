@@ -11,7 +11,7 @@ namespace {
 // Errors are relative to how far a variable has moved, but never to less than this part of its nominal, nor to less than
 // this part of what the others of its kind have moved: below lies rounding.
 constexpr double least_motion = 1e-5;
-constexpr double least_share = 1e-2;
+constexpr double least_share = 0.1;
 // Rounding itself, relative to the largest variable of the kind: the extent of the machine.
 constexpr double least_tolerance = 1e-13;
 

@@ -145,6 +145,9 @@ class OptionReader {
                                         : suggestion(*value.text(), known, "write one of these words"));
   }
 
+  /// Conditions: {NAME: {"of": MEASUREMENT, "rises_above" | "falls_below": LEVEL, "stop": true, "hold": {INPUT: VALUE}}}.
+  void events(const Value& list, const std::string& place, std::vector<EventOptions>& events);
+
   /// The section "sweep", or its member "second".
   void swept(const Value& root, const Value& section, const std::string& place, std::vector<SweptParameter>& over);
 
@@ -225,6 +228,8 @@ class OptionReader {
   }
 
  private:
+  bool event_condition(const Value& object, const std::string& place, EventOptions& event);
+  bool event_consequence(const Value& object, const std::string& place, EventOptions& event);
   [[nodiscard]] std::optional<std::string> unit_of_swept(const Value& root, const std::string& name,
                                                          const std::string& where);
   [[nodiscard]] std::optional<std::string> unit_of_parameter(const Value& root, const Component& component,
@@ -309,6 +314,96 @@ std::optional<std::string> OptionReader::unit_of_swept(const Value& root, const 
               "COMPONENT.PARAMETER, constants.NAME or start.VARIABLE",
               suggestion(word, names, "name one of these before the first dot"));
   return std::nullopt;
+}
+
+void OptionReader::events(const Value& list, const std::string& place, std::vector<EventOptions>& events) {
+  if (list.object() == nullptr) {
+    faults_.add("wrong-kind", place, named(place) + " is " + description(list), "{NAME: {\"of\": ..., ...}, ...}",
+                "give every event a name");
+    return;
+  }
+  for (const Member& member : *list.object()) {
+    const std::string where = pointer(place, member.key);
+    if (member.value.object() == nullptr) {
+      faults_.add("wrong-kind", where, named(where) + " is " + description(member.value), "{\"of\": ..., ...}",
+                  "write what it watches, a level, and what follows");
+      continue;
+    }
+    EventOptions event;
+    event.name = member.key;
+    if (event_condition(member.value, where, event) && event_consequence(member.value, where, event))
+      events.push_back(std::move(event));
+  }
+}
+
+/// What the event watches and from which side; false after a fault.
+bool OptionReader::event_condition(const Value& object, const std::string& place, EventOptions& event) {
+  members(object, place, event.name, {"of", "rises_above", "falls_below", "stop", "hold"},
+          [](const std::string&, const Value&, const std::string&) {});
+  const Value* of = object.find("of");
+  if (of == nullptr || of->text() == nullptr) {
+    faults_.add("wrong-kind", of == nullptr ? place : pointer(place, "of"),
+                of == nullptr ? named(place) + " without \"of\"" : "\"of\" is " + description(*of),
+                "\"of\": the name of a variable or an output", "name what the event watches", of == nullptr);
+    return false;
+  }
+  if (!find_measured(system_, *of->text(), event.of)) {
+    if (faults_.is_unread(*of->text())) return false;
+    const std::vector<std::string> names = measured_names(system_);
+    faults_.add("unknown-output", pointer(place, "of"),
+                "there is no variable, multiplier or output \"" + *of->text() + "\"",
+                names.empty() ? "a name; the scene has none" : "one of: " + quoted_list(related(*of->text(), names)),
+                suggestion(*of->text(), names, "`bramah check SCENE` lists all names"));
+    return false;
+  }
+  const Value *rises = object.find("rises_above"), *falls = object.find("falls_below");
+  if ((rises == nullptr) == (falls == nullptr)) {
+    faults_.add("conflict", place, named(place) + (rises == nullptr ? " without a level" : " with two levels"),
+                "either \"rises_above\" or \"falls_below\"", "give one of them, in " + event.of.unit, true);
+    return false;
+  }
+  event.rises = rises != nullptr;
+  const auto level = numbers_.read(event.rises ? *rises : *falls,
+                                   pointer(place, event.rises ? "rises_above" : "falls_below"), event.of.unit);
+  if (level) event.level = *level;
+  return level.has_value();
+}
+
+/// What follows from the event; false after a fault.
+bool OptionReader::event_consequence(const Value& object, const std::string& place, EventOptions& event) {
+  if (const Value* stop = object.find("stop")) flag(*stop, pointer(place, "stop"), event.stop);
+  const Value* hold = object.find("hold");
+  if (hold != nullptr && hold->object() == nullptr) {
+    faults_.add("wrong-kind", pointer(place, "hold"), "\"hold\" is " + description(*hold), "{INPUT: VALUE, ...}",
+                "name inputs and the values that they keep");
+    return false;
+  }
+  bool sound = true;
+  for (std::size_t k = 0; hold != nullptr && k < hold->object()->size(); ++k) {
+    const Member& held = (*hold->object())[k];
+    const std::string where = pointer(pointer(place, "hold"), held.key);
+    const auto input = std::find_if(system_.inputs.begin(), system_.inputs.end(),
+                                    [&](const InputSignal& one) { return one.name == held.key; });
+    if (input == system_.inputs.end()) {
+      sound = false;
+      if (faults_.is_unread(held.key)) continue;
+      std::vector<std::string> names;
+      for (const InputSignal& one : system_.inputs) names.push_back(one.name);
+      faults_.add("unknown-variable", where, "there is no input \"" + held.key + "\"",
+                  names.empty() ? "an input; the scene has none" : "one of: " + quoted_list(names),
+                  suggestion(held.key, names, "`bramah check SCENE` lists them"), true);
+      continue;
+    }
+    const auto value = numbers_.read(held.value, where, input->unit);
+    sound = sound && value.has_value();
+    if (value) event.holds.emplace_back(input - system_.inputs.begin(), *value);
+  }
+  if (sound && !event.stop && event.holds.empty()) {
+    faults_.add("conflict", place, named(place) + " has no consequence", "\"stop\": true, or \"hold\": {INPUT: VALUE}",
+                "say what shall follow", true);
+    return false;
+  }
+  return sound;
 }
 
 void OptionReader::swept(const Value& root, const Value& section, const std::string& place,
@@ -456,7 +551,7 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
   simulate.asked = root.find("simulate") != nullptr;
   reader.section(root, "simulate",
                  {"from", "from_time", "to_time", "output_step", "output_times", "integrator", "rel_tol", "max_step",
-                  "step", "rho_infinity"},
+                  "step", "rho_infinity", "switches", "events"},
                  [&](const std::string& key, const Value& value, const std::string& where) {
                    if (key == "from") {
                      reader.word<SimulateOptions::From>(
@@ -486,6 +581,10 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
                      reader.number(value, where, "s", 0.0, simulate.max_step, true);
                    } else if (key == "step") {
                      reader.number(value, where, "s", 0.0, simulate.step, true);
+                   } else if (key == "switches") {
+                     reader.word<bool>(value, where, {{"meet", true}, {"pass", false}}, simulate.meet_switches);
+                   } else if (key == "events") {
+                     reader.events(value, where, simulate.events);
                    } else {
                      reader.number(value, where, "1", 0.0, simulate.rho_infinity, false);
                    }
