@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -47,6 +48,17 @@ class Integrator {
   [[nodiscard]] virtual Index limiting() = 0;
 
   [[nodiscard]] virtual IntegratorWork work() const = 0;
+
+  /// What the next step depends on beside t, x, v, z of the state reached; empty where the method cannot go on from it as
+  /// if it had never stopped.
+  [[nodiscard]] virtual Vector memory() const { return {}; }
+  /// After begin(state, end) with the state and the end of that time: the steps that follow have the same bits. Throws
+  /// AnalysisError where `memory` is not that of this method and system.
+  virtual void recall(std::span<const double> memory) {
+    if (!memory.empty())
+      throw AnalysisError("simulate", "a checkpoint of another integrator than " + std::string(name()),
+                          "the integrator that wrote it", "give the \"integrator\" of the first run", "/simulate");
+  }
 };
 
 /// Name of variable `i` in the order of Integrator::limiting; "an unknown" beyond.

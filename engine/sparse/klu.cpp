@@ -77,6 +77,7 @@ struct BasicKlu<Scalar>::Data {
   klu_l_symbolic* symbolic = nullptr;
   klu_l_numeric* numeric = nullptr;
   std::int64_t size = 0;
+  bool fresh = false;
 
   Data() {
     klu_l_defaults(&common);
@@ -126,10 +127,12 @@ bool BasicKlu<Scalar>::factor(const View& matrix) {
                                      d.numeric, &d.common) != 0;
     if (done && d.common.status == KLU_OK && Call::reciprocal_condition(d.symbolic, d.numeric, &d.common) != 0 &&
         d.common.rcond > least_reciprocal_condition) {
+      d.fresh = false;
       return true;
     }
     Call::free_numeric(&d.numeric, &d.common);
   }
+  d.fresh = true;
   d.numeric = Call::factor(indices(matrix.start), indices(matrix.row), doubles(matrix.value), d.symbolic, &d.common);
   if (d.common.status == KLU_OUT_OF_MEMORY) throw std::bad_alloc();
   if (d.numeric == nullptr || d.common.status == KLU_SINGULAR) {
@@ -137,6 +140,11 @@ bool BasicKlu<Scalar>::factor(const View& matrix) {
     return false;
   }
   return true;
+}
+
+template <class Scalar>
+bool BasicKlu<Scalar>::fresh_pivots() const {
+  return data_->fresh;
 }
 
 template <class Scalar>

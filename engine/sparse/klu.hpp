@@ -25,6 +25,8 @@ class BasicKlu {
   void analyze(const View& matrix);
   /// Factors with fresh pivots, or reuses the last pivots and falls back where they have become bad. False: singular.
   bool factor(const View& matrix);
+  /// Whether the last factor chose its pivots anew: they then depend on that matrix alone.
+  [[nodiscard]] bool fresh_pivots() const;
   /// Column of the first zero pivot after factor returned false.
   [[nodiscard]] std::int64_t singular_column() const;
   /// Solves A X = B in place, B (n x count) column-major; at least `n` rows apart.
