@@ -266,33 +266,48 @@ void equilibrium(benchmark::State& run, const Case& c) {
 }
 
 /// The mean cost of steps 50 to 250 of a simulation from the general state: start-up does not count.
-void ida_step(benchmark::State& run, const Case& c) {
+void steps(benchmark::State& run, const Case& c, SimulateOptions options) {
   constexpr long first = 50, last = 250;
   const Machine& machine = c.machine();
-  SimulateOptions options = machine.model.options.simulate;
   options.output_step = 1e9;
   options.to_time = 3.0;
-  double newton = 0.0, simulated = 0.0;
+  double newton = 0.0, factorizations = 0.0, simulated = 0.0, seconds = 0.0;
   for (auto _ : run) {
-    long steps = 0;
-    double begin = 0.0, end = 0.0;
+    long count = 0;
+    double begin = 0.0, end = 0.0, begun = 0.0;
     Observer observer;
     observer.progress = [&](double time, double) {
-      ++steps;
-      if (steps == first) begin = cpu_seconds();
+      ++count;
+      if (count == first) {
+        begin = cpu_seconds();
+        begun = time;
+      }
       end = cpu_seconds();
       simulated = time;
-      return steps < last;
+      return count < last;
     };
     const Simulation simulation = simulate(machine.system(), options, machine.state, observer);
-    if (steps <= first) return run.SkipWithError("the simulation ended before step 50");
-    run.SetIterationTime((end - begin) / static_cast<double>(steps - first));
-    newton =
-        static_cast<double>(simulation.statistics.newton_iterations) / static_cast<double>(simulation.statistics.steps);
+    if (count <= first) return run.SkipWithError("the simulation ended before step 50");
+    run.SetIterationTime((end - begin) / static_cast<double>(count - first));
+    seconds = (end - begin) / (simulated - begun);
+    const auto all = static_cast<double>(simulation.statistics.steps);
+    newton = static_cast<double>(simulation.statistics.newton_iterations) / all;
+    factorizations = static_cast<double>(simulation.statistics.factorizations) / all;
   }
   describe(run, c);
   run.counters["newton"] = newton;
+  run.counters["factorizations"] = factorizations;
   run.counters["simulated_s"] = simulated;
+  run.counters["real_time"] = 1.0 / seconds;
+}
+
+void ida_step(benchmark::State& run, const Case& c) { steps(run, c, c.machine().model.options.simulate); }
+
+void alpha_step(benchmark::State& run, const Case& c) {
+  SimulateOptions options = c.machine().model.options.simulate;
+  options.integrator = SimulateOptions::Integrator::generalized_alpha;
+  options.step = 1e-3;
+  steps(run, c, options);
 }
 
 /// Of the whole process so far: tell it of a work that runs alone.
@@ -371,6 +386,7 @@ constexpr std::array works = {
     Work{"kkt_solve", kkt_solve},
     Work{"equilibrium", equilibrium},
     Work{"ida_step", ida_step, Work::Time::once},
+    Work{"alpha_step", alpha_step, Work::Time::once},
     Work{"partition", partition},
     Work{"redundancy", redundancy},
     Work{"linearizer_setup", linearizer_setup},

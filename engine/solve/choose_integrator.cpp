@@ -51,9 +51,7 @@ ChosenIntegrator choose_integrator(const System& system, const SimulateOptions& 
     case Kind::ida: return {make_ida(system, options, start), ""};
     case Kind::explicit_one_step: return {make_explicit(system, options, start), ""};
     case Kind::implicit_one_step: return {make_implicit(system, options, start), ""};
-    case Kind::generalized_alpha:
-      // generalized_alpha.cpp is on its way
-      throw AnalysisError("simulate", "generalized_alpha", "an integrator that is built in", "choose another");
+    case Kind::generalized_alpha: return {make_generalized_alpha(system, options, start), ""};
     case Kind::automatic: break;
   }
   const double speed = fastest(system, start);

@@ -96,9 +96,8 @@ class GeneralizedAlpha final : public Integrator {
   [[nodiscard]] double correct(double part);
   [[nodiscard]] bool form_matrix(const State& state, double h);
   [[nodiscard]] bool refresh_matrix() { return form_matrix(next_, h_); }
-  [[noreturn]] void fail(Index unknown, const std::string& why) const;
+  [[noreturn]] void fail(const std::string& why, Index limiting = -1) const;
   [[nodiscard]] std::string unknown_name(Index i) const;
-  [[nodiscard]] Index unknown_component(Index i) const;
   /// Every number of the memory in turn.
   template <class Self, class Visit>
   static void visit_memory(Self& self, Visit&& visit);
@@ -210,9 +209,9 @@ void GeneralizedAlpha::begin(const State& state, double end) {
   w_.assign(state.zdot.begin(), state.zdot.begin() + nz_);
   next_alpha_ = alpha_;
   next_w_ = w_;
-  if (!form_matrix(last_, step_)) fail(-1, "the iteration matrix cannot be formed");
+  if (!form_matrix(last_, step_)) fail("the iteration matrix cannot be formed");
   // Room for all that steps evaluate is made now.
-  if (!evaluate_rows()) fail(-1, "the rows cannot be evaluated");
+  if (!evaluate_rows()) fail("the rows cannot be evaluated");
 }
 
 double GeneralizedAlpha::step() {
@@ -231,7 +230,7 @@ double GeneralizedAlpha::step() {
     ++work_.convergence_failures;
     predict(Guess::velocities);
     static_cast<void>(refresh_matrix());
-    if (!solve()) fail(worst_, "Newton's method did not converge, and corrects most");
+    if (!solve()) fail("Newton's method did not converge; with a shorter \"step\" it may", worst_);
   }
   ++count_;
   ++work_.steps;
@@ -283,7 +282,8 @@ bool GeneralizedAlpha::solve() {
     if (contraction < 1.0 && size * contraction / (1.0 - contraction) <= newton_tolerance) return true;
     if (size < rounding && contraction > 0.5 && (contracted || (fresh && k > 0))) return true;
     contracted = contraction < 0.1;
-    fresh = k > 0 && (contraction >= 1.0 || std::log(newton_tolerance / size) / std::log(contraction) > worth_a_matrix) &&
+    fresh = k > 0 &&
+            (contraction >= 1.0 || std::log(newton_tolerance / size) / std::log(contraction) > worth_a_matrix) &&
             refresh_matrix();
     before = size;
   }
@@ -296,7 +296,7 @@ bool GeneralizedAlpha::evaluate_rows() {
   const Outcome outcome = blocks_.evaluate(system_, next_, row_request_);
   if (!outcome.ok()) {
     trouble_ = outcome.message;
-    if (outcome.status == Outcome::Status::fatal) fail(-1, "a component gives up");
+    if (outcome.status == Outcome::Status::fatal) fail("a component gives up");
     return false;
   }
   const double one = 1.0, h2_beta = h_ * h_ * second_.beta;
@@ -363,7 +363,10 @@ bool GeneralizedAlpha::form_matrix(const State& state, double h) {
   }
   ++work_.factorizations;
   const bool regular = lu_.factor({size_, size_, matrix_.start().data(), matrix_.row().data(), values_.data()});
-  if (!regular) fail(lu_.singular_column(), "the iteration matrix is singular");
+  if (!regular) {
+    const Index column = lu_.singular_column();
+    fail("the iteration matrix is singular at " + unknown_name(column), column < 2 * n_ + nz_ ? column : -1);
+  }
   matrix_at_.state = state;
   matrix_at_.h = h;
   fresh_pivots_ = lu_.fresh_pivots();
@@ -441,33 +444,17 @@ void GeneralizedAlpha::recall(std::span<const double> memory) {
   const bool fresh = fresh_pivots_;
   bool formed = form_matrix(pivots.state, pivots.h);
   if (formed && !fresh) formed = form_matrix(matrix.state, matrix.h);
-  if (!formed) fail(-1, "the iteration matrix cannot be formed");
+  if (!formed) fail("the iteration matrix cannot be formed");
 }
 
-void GeneralizedAlpha::fail(Index unknown, const std::string& why) const {
-  const std::string where = unknown < 0 ? "" : " at " + unknown_name(unknown);
-  const Index component = unknown_component(unknown);
-  throw AnalysisError("simulate",
-                      "at t = " + digits(next_.t, 6) + " s with a step of " + digits(h_, 6) + " s " + why + where +
-                          (trouble_.empty() ? "" : "; " + trouble_),
-                      "a motion that steps of this length can follow",
-                      "take a shorter \"step\", or look at that component just before this time; a mechanism may be "
-                      "passing a singular position, a volume or a length zero",
-                      component < 0 ? "" : "/components/" + system_.component_name(component));
+void GeneralizedAlpha::fail(const std::string& why, Index limiting) const {
+  throw stalled(system_, next_.t, h_, why, trouble_, limiting);
 }
 
 std::string GeneralizedAlpha::unknown_name(Index i) const {
   const Index k = i - 2 * n_ - nz_, count = static_cast<Index>(rows_.size());
-  if (k < 0) return variable_name(system_, i);
+  if (k < 0 || i >= size_) return variable_name(system_, i);
   return system_.multiplier_name(rows_[at(k < count ? k : k - count)]);
-}
-
-Index GeneralizedAlpha::unknown_component(Index i) const {
-  const Index k = i - 2 * n_ - nz_, count = static_cast<Index>(rows_.size());
-  if (i < 0) return -1;
-  if (i < 2 * n_) return system_.x[at(i % n_)].component;
-  if (k < 0) return system_.z[at(i - 2 * n_)].component;
-  return system_.constraint(rows_[at(k < count ? k : k - count)]).component;
 }
 
 }  // namespace
