@@ -16,6 +16,9 @@ struct Arguments {
   std::vector<std::string> inputs;    // of respond: these alone; empty: all
   std::vector<std::string> outputs;   // instead of the scene's "outputs"
   std::string step, impulse;          // TO or TO:COUNT, empty: not asked for
+  std::string resume;                 // of simulate: a checkpoint to go on from
+  double save_every = 0.0;            // of simulate: s between checkpoints; 0: at the end alone
+  bool binary = false;                // of simulate: time_series.npy instead of .csv
   bool quiet = false;                 // no progress bars, no word about files written
   bool json = false;                  // one JSON document on standard output
 };

@@ -104,6 +104,9 @@ int run_verb(const Verb& verb, int argc, char** argv) {
   if (offers("--input")) app.add_option("--input", arguments.inputs)->allow_extra_args(false);
   if (offers("--output")) app.add_option("--output", arguments.outputs)->allow_extra_args(false);
   if (offers("--step")) app.add_option("--step", arguments.step);
+  if (offers("--resume")) app.add_option("--resume", arguments.resume);
+  if (offers("--save-every")) app.add_option("--save-every", arguments.save_every)->check(CLI::PositiveNumber);
+  if (offers("--binary")) app.add_flag("--binary", arguments.binary);
   if (offers("--impulse")) app.add_option("--impulse", arguments.impulse);
   try {
     app.parse(argc - 1, argv + 1);

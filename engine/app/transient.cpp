@@ -1,7 +1,9 @@
 #include "app/transient.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <map>
 
 #include "app/progress.hpp"
 #include "app/results.hpp"
@@ -10,18 +12,13 @@
 
 namespace bramah {
 
-Transient run_transient(const Context& context, const SimulateOptions& options, const State* start, bool show_progress,
+Transient run_transient(const Context& context, const SimulateOptions& options, const TransientSetup& setup,
                         const Sink& sink) {
+  using Clock = std::chrono::steady_clock;
   const System& system = context.system();
   Transient result;
-  State own_start;
-  if (start == nullptr) {
-    own_start = reference_state(system, context.options(), options.from == SimulateOptions::From::equilibrium,
-                                options.from_time);
-    start = &own_start;
-  }
   Blocks blocks(system);
-  Progress progress("simulate", show_progress);
+  Progress progress("simulate", setup.show_progress && !context.arguments.quiet);
   const InterruptGuard guard;
   Observer observer;
   observer.output = [&](const State& state) {
@@ -34,7 +31,23 @@ Transient run_transient(const Context& context, const SimulateOptions& options, 
     progress.show((time - options.from_time) / length, "t = " + short_number(time, 4) + " s, step " + duration(step));
     return !InterruptGuard::interrupted();
   };
-  result.simulation = simulate(system, options, *start, observer);
+  Clock::time_point saved = Clock::now();
+  observer.checkpoint_due = [&] {
+    if (setup.save_every == 0.0) return false;
+    if (std::chrono::duration<double>(Clock::now() - saved).count() < setup.save_every) return false;
+    saved = Clock::now();
+    return true;
+  };
+  observer.checkpoint = setup.save;
+  if (setup.resume != nullptr) {
+    result.simulation = resume(system, options, *setup.resume, observer);
+  } else if (setup.start != nullptr) {
+    result.simulation = simulate(system, options, *setup.start, observer);
+  } else {
+    const State start = reference_state(system, context.options(), options.from == SimulateOptions::From::equilibrium,
+                                        options.from_time);
+    result.simulation = simulate(system, options, start, observer);
+  }
   result.interrupted = result.simulation.stopped;
   return result;
 }
@@ -51,26 +64,45 @@ std::string csv_row(double time, std::span<const double> values) {
   return line + '\n';
 }
 
+namespace {
+
+/// "relief.opening (12), stop (1)", the most frequent first.
+std::string events_text(const std::vector<EventTaken>& events) {
+  std::map<std::string, int> counts;
+  for (const EventTaken& event : events) ++counts[event.name];
+  std::vector<std::pair<std::string, int>> sorted(counts.begin(), counts.end());
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::string text;
+  for (std::size_t k = 0; k < sorted.size() && k < 5; ++k)
+    text += (k == 0 ? "" : ", ") + sorted[k].first + " (" + std::to_string(sorted[k].second) + ")";
+  return text + (sorted.size() > 5 ? ", ... " + std::to_string(events.size()) + " in all" : "");
+}
+
+}  // namespace
+
 Table statistics_table(const Transient& transient) {
   const SimulationStatistics& s = transient.simulation.statistics;
   Table table{{}, {}, "ll"};
   const auto row = [&](const char* name, std::string value) { table.rows.push_back({name, std::move(value)}); };
   row("simulated to",
-      short_number(transient.simulation.last.t, 10) + " s" + (transient.interrupted ? ", interrupted" : ""));
+      short_number(transient.simulation.last.t, 10) + " s" + (transient.interrupted ? ", interrupted" : "") +
+          (transient.simulation.stopped_by.empty() ? "" : ", stopped by " + transient.simulation.stopped_by));
   row("steps", std::to_string(s.steps) + " (" + counted(static_cast<std::size_t>(s.restarts), "restart") + ", " +
                    counted(static_cast<std::size_t>(s.error_test_failures), "failed error test") + ", " +
                    counted(static_cast<std::size_t>(s.convergence_failures), "failed Newton iteration") + ")");
   row("integrator", s.integrator);
-  row("step size", duration(s.smallest_step) + " ... " + duration(s.largest_step) +
-                       (s.limiting.empty() ? ""
-                                           : ", limited by " + s.limiting + " in " +
-                                                 short_number(std::round(100.0 * s.limiting_share), 3) + " % of the steps"));
+  row("step size",
+      duration(s.smallest_step) + " ... " + duration(s.largest_step) +
+          (s.limiting.empty() ? ""
+                              : ", limited by " + s.limiting + " in " +
+                                    short_number(std::round(100.0 * s.limiting_share), 3) + " % of the steps"));
   row("evaluations", std::to_string(s.evaluations) + " of rows, " + std::to_string(s.jacobians) + " of partials");
   row("factorizations", std::to_string(s.factorizations));
   if (s.newton_iterations > 0) row("Newton iterations", std::to_string(s.newton_iterations));
   const auto violation = [](double value, const std::string& name) {
     return short_number(value, 2) + (name.empty() ? "" : " in " + name);
   };
+  if (!transient.simulation.events.empty()) row("events", events_text(transient.simulation.events));
   row("worst constraint violation", violation(s.worst_position, s.worst_position_row));
   row("worst violation of rates", violation(s.worst_velocity, s.worst_velocity_row));
   const double rest = s.seconds - s.seconds_integrating - s.seconds_events - s.seconds_outputs;
@@ -82,12 +114,21 @@ Table statistics_table(const Transient& transient) {
 void write_statistics(JsonWriter& json, const Transient& transient) {
   const SimulationStatistics& s = transient.simulation.statistics;
   json.member("reached_time", transient.simulation.last.t).member("interrupted", transient.interrupted);
+  json.member("stopped_by", transient.simulation.stopped_by).member("integrator", s.integrator);
   json.member("steps", s.steps).member("restarts", s.restarts).member("newton_iterations", s.newton_iterations);
   json.member("evaluations", s.evaluations).member("jacobians", s.jacobians);
+  json.member("factorizations", s.factorizations);
   json.member("error_test_failures", s.error_test_failures).member("convergence_failures", s.convergence_failures);
   json.member("worst_position_violation", s.worst_position).member("worst_position_row", s.worst_position_row);
   json.member("worst_velocity_violation", s.worst_velocity).member("worst_velocity_row", s.worst_velocity_row);
-  json.member("time_s", s.seconds);
+  json.member("smallest_step", s.smallest_step).member("largest_step", s.largest_step);
+  json.member("limiting", s.limiting).member("limiting_share", s.limiting_share);
+  json.key("events").begin_list();
+  for (const EventTaken& event : transient.simulation.events)
+    json.begin_flat_object().member("time", event.time).member("name", event.name).end_object();
+  json.end_list();
+  json.member("time_s", s.seconds).member("integrating_s", s.seconds_integrating);
+  json.member("events_s", s.seconds_events).member("outputs_s", s.seconds_outputs);
 }
 
 }  // namespace bramah

@@ -23,8 +23,17 @@ struct Transient {
   bool interrupted = false;
 };
 
-/// Simulates from what the scene's "simulate" says; `start` replaces it. Ctrl-C stops after the current step.
-Transient run_transient(const Context& context, const SimulateOptions& options, const State* start, bool show_progress,
+/// What a simulation begins with, and who hears of it on the way.
+struct TransientSetup {
+  const State* start = nullptr;        // instead of what the scene's "simulate" says
+  const Checkpoint* resume = nullptr;  // to go on from
+  bool show_progress = true;
+  std::function<void(const Checkpoint&)> save;  // called every `save_every` seconds of work
+  double save_every = 0.0;                      // 0: never
+};
+
+/// Simulates. Ctrl-C stops after the current step.
+Transient run_transient(const Context& context, const SimulateOptions& options, const TransientSetup& setup,
                         const Sink& sink);
 
 /// `time,NAME,...` and rows below it.

@@ -80,7 +80,7 @@ int run_along(const Context& context) {
   LinearizerAlong linearizer(system, context.options().linearize.prescribed, context.options().outputs);
   LinearModel model;
   std::size_t next = 0;
-  const Transient transient = run_transient(context, options, nullptr, true, [&](const State& state, const Vector&) {
+  const Transient transient = run_transient(context, options, {}, [&](const State& state, const Vector&) {
     // Both sides of a jump of the inputs are output; the later one counts.
     if (next == times.size() || state.t != times[next] || (state.side < 0 && state.t < options.to_time)) return;
     State here = state;

@@ -7,6 +7,9 @@
 #include "app/results.hpp"
 #include "app/transient.hpp"
 #include "app/verbs.hpp"
+#include "io/checkpoint.hpp"
+#include "io/npy_file.hpp"
+#include "io/read_scene.hpp"
 
 namespace bramah {
 namespace {
@@ -27,54 +30,145 @@ std::string document(const Context& context, const Transient& transient, const s
   return json.take();
 }
 
-int run(const Arguments& arguments) {
-  const Context context = load(arguments);
-  const std::filesystem::path folder(arguments.out), file = folder / "time_series.csv";
-  const bool to_stdout = arguments.out.empty() && !arguments.json;
-  std::optional<OutputFile> csv;
-  if (!arguments.out.empty()) {
-    make_folder(folder);
-    csv.emplace(file);
+/// Where the rows go: a file, which appears when it is complete, or standard output.
+class Series {
+ public:
+  Series(const Arguments& arguments, const std::vector<Measured>& outputs)
+      : to_stdout_(arguments.out.empty() && !arguments.json) {
+    if (!arguments.out.empty()) {
+      const std::filesystem::path folder(arguments.out);
+      make_folder(folder);
+      file_ = folder / (arguments.binary ? "time_series.npy" : "time_series.csv");
+      if (arguments.binary) {
+        std::vector<std::string> columns = {"time"};
+        for (const Measured& output : outputs) columns.push_back(output.name);
+        npy_.emplace(file_, columns);
+      } else {
+        csv_.emplace(file_);
+      }
+    }
+    if (!npy_) write(csv_header(outputs));
   }
-  const auto write = [&](const std::string& line) {
-    if (csv) csv->write(line);
-    if (to_stdout) print(line);
+  void row(double time, const Vector& values) {
+    if (npy_) {
+      record_.assign(1, time);
+      record_.insert(record_.end(), values.begin(), values.end());
+      npy_->row(record_);
+    } else if (csv_ || to_stdout_) {
+      write(csv_row(time, values));
+    }
+  }
+  void commit() {
+    if (csv_) csv_->commit();
+    if (npy_) npy_->commit();
+  }
+  /// Where the rows of a broken run are; empty where they went to standard output.
+  std::filesystem::path leave_part() {
+    if (csv_) return csv_->leave_part();
+    return npy_ ? npy_->leave_part() : std::filesystem::path{};
+  }
+  /// Empty where there is none.
+  [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+  [[nodiscard]] bool scrolls() const { return to_stdout_ && isatty(STDOUT_FILENO) == 1; }
+
+ private:
+  void write(const std::string& line) {
+    if (csv_) csv_->write(line);
+    if (to_stdout_) print(line);
+  }
+  bool to_stdout_;
+  std::filesystem::path file_;
+  std::optional<OutputFile> csv_;
+  std::optional<NpyFile> npy_;
+  Vector record_;
+};
+
+std::optional<Checkpoint> checkpoint_to_resume(const Arguments& arguments, const System& system) {
+  if (arguments.resume.empty()) return std::nullopt;
+  Source source{arguments.resume, ""};
+  try {
+    source = read_source(arguments.resume);
+    return read_checkpoint(system, source);
+  } catch (const SceneError& error) {
+    throw Failure::scene(source, error, {});
+  }
+}
+
+void check(const Arguments& arguments) {
+  if (!arguments.out.empty()) return;
+  if (arguments.binary) throw Failure::usage("--binary without --out", "a folder for time_series.npy", "add --out DIR");
+  if (arguments.save_every > 0.0)
+    throw Failure::usage("--save-every without --out", "a folder for checkpoint.json", "add --out DIR");
+}
+
+int run(const Arguments& arguments) {
+  check(arguments);
+  const Context context = load(arguments);
+  const std::optional<Checkpoint> from = checkpoint_to_resume(arguments, context.system());
+  Series series(arguments, context.options().outputs);
+  const std::filesystem::path saved = std::filesystem::path(arguments.out) / "checkpoint.json";
+  const auto save = [&](const Checkpoint& checkpoint) {
+    if (!arguments.out.empty()) write_file(saved, checkpoint_text(context.system(), checkpoint));
   };
-  write(csv_header(context.options().outputs));
+  TransientSetup setup;
+  setup.resume = from ? &*from : nullptr;
+  setup.show_progress = !series.scrolls();  // rows that scroll by are progress enough
+  setup.save = save;
+  setup.save_every = arguments.save_every;
   Transient transient;
   try {
-    // Rows that scroll by are progress enough.
-    transient = run_transient(context, context.options().simulate, nullptr, !(to_stdout && isatty(STDOUT_FILENO) == 1),
-                              [&](const State& state, const Vector& values) { write(csv_row(state.t, values)); });
-  } catch (const AnalysisError&) {
-    if (csv) say("results up to the failure are in " + csv->leave_part().string() + '\n');
+    transient = run_transient(context, context.options().simulate, setup,
+                              [&](const State& state, const Vector& values) { series.row(state.t, values); });
+  } catch (const SimulationError& error) {
+    if (arguments.out.empty()) throw;
+    save(error.last());
+    say("results up to the failure are in " + series.leave_part().string() + ", the last good state is in " +
+        saved.string() + "; mend the scene or its settings and go on with --resume\n");
     throw;
   }
-  if (csv) csv->commit();
-  say(as_text(statistics_table(transient), ""));
-  if (csv) say("wrote " + file.string() + '\n');
+  series.commit();
+  save(transient.simulation.checkpoint);
+  if (!arguments.quiet) {
+    say(as_text(statistics_table(transient), ""));
+    if (!series.file().empty()) say("wrote " + series.file().string() + " and " + saved.string() + '\n');
+  }
   if (transient.interrupted)
-    say("interrupted; results up to t = " + short_number(transient.last_time, 10) + " s are kept\n");
-  if (arguments.json) print(document(context, transient, csv ? file.string() : ""));
+    say("interrupted; results up to t = " + short_number(transient.last_time, 10) + " s are kept" +
+        (arguments.out.empty() ? "" : ", --resume " + saved.string() + " goes on") + '\n');
+  if (arguments.json) print(document(context, transient, series.file().string()));
   return transient.interrupted ? exit_interrupted : exit_ok;
 }
 
 }  // namespace
 
+namespace {
+constexpr const char* kOptions[] = {"--resume", "--save-every", "--binary"};
+}  // namespace
+
 constinit const Verb verb_simulate = {
-    "simulate", "SCENE", "run the machine in time",
+    "simulate",
+    "SCENE",
+    "run the machine in time",
     R"(Simulates as the scene's "simulate" says: from its start values or from the equilibrium, between from_time and to_time,
 with output every output_step (every step of the integrator where there is none). At jumps of an input there are two
 rows with the same time: before and after. Columns are the scene's "outputs", all variables where it lists none; SI.
 Without --out the CSV goes to standard output. A summary goes to standard error. Ctrl-C keeps the results so far.
+With --out the last state is kept in DIR/checkpoint.json, also where the run is interrupted or fails: --resume goes on from
+it, with rows from there on. The integrator "generalized_alpha" then goes on with the same bits, the others start anew.
 
 Examples
   bramah simulate scenes/four_bar/overdamped.json --out results
   bramah simulate scenes/four_bar/overdamped.json --set "simulate.output_step=1 ms" > series.csv
+  bramah simulate scenes/four_bar/overdamped.json --out more --resume results/checkpoint.json --set simulate.to_time=4
+
+--resume FILE         go on from a checkpoint
+--save-every SECONDS  write the checkpoint so often, too
+--binary              DIR/time_series.npy instead of .csv: numpy.load(FILE)["NAME"] is a column
 
 --out writes DIR/time_series.csv with the header time,NAME,...
 --json prints {"summary": {...}, "final": {"time", NAME: value}, "units": {...}, "time_series": FILE}
 )",
-    run};
+    run,
+    kOptions};
 
 }  // namespace bramah

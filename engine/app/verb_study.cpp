@@ -58,8 +58,10 @@ void simulate_study(const Context& context, Folder& folder, StudyResults& result
   OutputFile csv(folder.path() / "time_series.csv");
   csv.write(csv_header(context.options().outputs));
   const double linear_from = context.options().study.linear_from;
+  TransientSetup setup;
+  setup.start = start;
   try {
-    results.transient = run_transient(context, options, start, true, [&](const State& state, const Vector& values) {
+    results.transient = run_transient(context, options, setup, [&](const State& state, const Vector& values) {
       csv.write(csv_row(state.t, values));
       results.recording.take(context.system(), state, values, linear_from);
     });

@@ -41,6 +41,12 @@ void OutputFile::write(std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), out_) != text.size()) fail("cannot be written", errno);
 }
 
+void OutputFile::overwrite(long offset, std::string_view text) {
+  if (std::fseek(out_, offset, SEEK_SET) != 0) fail("cannot be written", errno);
+  write(text);
+  if (std::fseek(out_, 0, SEEK_END) != 0 || std::fflush(out_) != 0) fail("cannot be written", errno);
+}
+
 void OutputFile::commit() {
   if (std::fflush(out_) != 0) fail("cannot be written", errno);
   std::FILE* out = out_;

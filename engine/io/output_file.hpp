@@ -35,6 +35,8 @@ class OutputFile {
   ~OutputFile();
 
   void write(std::string_view text);
+  /// Replaces what stands at `offset`, and brings all that was written so far to the file.
+  void overwrite(long offset, std::string_view text);
   void commit();
   /// Leaves the part where it is and says where: what a broken run has found so far is worth a look.
   std::filesystem::path leave_part();

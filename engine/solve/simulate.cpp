@@ -78,8 +78,12 @@ class Run {
         limited_(static_cast<std::size_t>(2 * system.n() + system.nz()), 0) {}
 
   Simulation march();
+  /// Continues what `memory` remembers, with no output at the start.
+  void recall(const Vector& memory);
+  [[nodiscard]] std::string integrator() const { return std::string(integrator_.name()); }
 
  private:
+  [[nodiscard]] Checkpoint checkpoint() const;
   void begin_segment();
   void march_segment();
   void settle(const Events::Hit& hit);
@@ -99,7 +103,8 @@ class Run {
   Schedule schedule_;
   State state_, shown_;  // reached; where an output is made
   double segment_end_ = 0.0;
-  bool running_ = true, started_ = false;
+  bool running_ = true, started_ = false, resumed_ = false;
+  Vector memory_;    // of the checkpoint to go on from
   int crowded_ = 0;  // events in a row that came too soon
   std::vector<long> limited_;
   Stopwatch watch_;
@@ -112,10 +117,18 @@ void Run::begin_segment() {
   apply_inputs(system_, state_);
   kkt_.complete(state_, blocks_);
   integrator_.begin(state_, segment_end_);
+  if (!memory_.empty()) integrator_.recall(std::exchange(memory_, {}));
   events_.arm(state_);
   if (started_) ++result_.statistics.restarts;
   started_ = true;
 }
+
+void Run::recall(const Vector& memory) {
+  memory_ = memory;
+  resumed_ = true;
+}
+
+Checkpoint Run::checkpoint() const { return {state_, std::string(integrator_.name()), integrator_.memory()}; }
 
 /// Output at t within the last step: completed.
 void Run::emit(double t) {
@@ -207,8 +220,9 @@ void Run::march_segment() {
       result_.stopped = true;
       running_ = false;
     }
+    if (hit) take(*hit);
+    if (observer_.checkpoint_due && observer_.checkpoint_due()) observer_.checkpoint(checkpoint());
     if (!hit) continue;
-    take(*hit);
     crowded_ = step < least_distance * (options_.to_time - options_.from_time) ? crowded_ + 1 : 0;
     if (crowded_ > most_crowded_events)
       throw stalled(system_, reached, step,
@@ -226,12 +240,11 @@ Simulation Run::march() {
       const double breakpoint = segment_end_;
       begin_segment();
       // The start, and the far side of every jump of an input.
-      if (observer_.output && (first || state_.t == breakpoint)) observer_.output(state_);
+      if (observer_.output && (first ? !resumed_ : state_.t == breakpoint)) observer_.output(state_);
       march_segment();
     }
-    kkt_.complete(state_, blocks_);
   } catch (const AnalysisError& error) {
-    throw SimulationError(error, state_);
+    throw SimulationError(error, checkpoint());
   }
   conclude(std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count());
   return result_;
@@ -247,7 +260,9 @@ void Run::conclude(double seconds) {
     s.limiting = variable_name(system_, most - limited_.begin());
     s.limiting_share = static_cast<double>(*most) / static_cast<double>(std::max(s.steps, 1L));
   }
+  kkt_.complete(state_, blocks_);
   result_.last = state_;
+  result_.checkpoint = checkpoint();
 }
 
 }  // namespace
@@ -257,6 +272,17 @@ Simulation simulate(const System& system, const SimulateOptions& options, const 
   if (system.n() + system.nz() == 0)
     throw AnalysisError("simulate", "a scene without variables", "something that moves or stores", "add components");
   return Run(system, options, start, observer).march();
+}
+
+Simulation resume(const System& system, const SimulateOptions& options, const Checkpoint& from,
+                  const Observer& observer) {
+  Run run(system, options, from.state, observer);
+  if (const std::string name = run.integrator(); name != from.integrator) {
+    throw AnalysisError("simulate", "a checkpoint of \"" + from.integrator + "\", to be continued by \"" + name + "\"",
+                        "the integrator that wrote it", "set \"integrator\": \"" + from.integrator + "\"", "/simulate");
+  }
+  run.recall(from.memory);
+  return run.march();
 }
 
 }  // namespace bramah

@@ -29,16 +29,27 @@ struct SimulationStatistics : IntegratorWork {
   double seconds_integrating = 0.0, seconds_events = 0.0, seconds_outputs = 0.0;  // where they went
 };
 
+/// All that a run needs to go on from where it was.
+struct Checkpoint {
+  State state;             // complete
+  std::string integrator;  // Integrator::name
+  Vector memory;           // Integrator::memory
+};
+
 struct Observer {
   /// Called with every output state in order; a, lambda and zdot are those of the solution.
   std::function<void(const State&)> output;
   /// Called after every step with time and step size; false stops the run after the last output.
   std::function<bool(double time, double step)> progress;
+  /// Asked after every step; where it is true, `checkpoint` gets the state reached.
+  std::function<bool()> checkpoint_due;
+  std::function<void(const Checkpoint&)> checkpoint;
 };
 
 struct Simulation {
   SimulationStatistics statistics;
-  State last;              // the last state reached
+  State last;             // the last state reached
+  Checkpoint checkpoint;  // to go on from there
   bool stopped = false;    // by the observer
   std::string stopped_by;  // the scene's event that ended the run
   std::vector<EventTaken> events;
@@ -47,11 +58,11 @@ struct Simulation {
 /// A run that could not go on: the same message, and the last good state.
 class SimulationError : public AnalysisError {
  public:
-  SimulationError(const AnalysisError& error, State state) : AnalysisError(error), last_(std::move(state)) {}
-  [[nodiscard]] const State& last() const { return last_; }
+  SimulationError(const AnalysisError& error, Checkpoint last) : AnalysisError(error), last_(std::move(last)) {}
+  [[nodiscard]] const Checkpoint& last() const { return last_; }
 
  private:
-  State last_;
+  Checkpoint last_;
 };
 
 /// Runs from `start` (consistent in positions and velocities; its time is where the run begins) to options.to_time.
@@ -59,5 +70,10 @@ class SimulationError : public AnalysisError {
 /// sides of input breakpoints and of the scene's events, and at the end. Throws SimulationError where the integrator gives
 /// up; the message names the row and the component that limited the step.
 Simulation simulate(const System& system, const SimulateOptions& options, const State& start, const Observer& observer);
+
+/// Goes on from a checkpoint, with no output there. The generalized-alpha method goes on with the same bits as if it had
+/// never stopped; the others start anew. Throws AnalysisError where the integrator is not the one of the checkpoint.
+Simulation resume(const System& system, const SimulateOptions& options, const Checkpoint& from,
+                  const Observer& observer);
 
 }  // namespace bramah

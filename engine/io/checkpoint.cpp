@@ -1,0 +1,172 @@
+#include "io/checkpoint.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <unordered_map>
+
+#include "io/json_writer.hpp"
+#include "io/parse_json.hpp"
+
+namespace bramah {
+namespace {
+
+constexpr double version = 1.0;
+
+Diagnostic at(std::string pointer, Diagnostic diagnostic, bool at_key = false) {
+  diagnostic.pointer = std::move(pointer);
+  diagnostic.at_key = at_key;
+  return diagnostic;
+}
+
+const char* const remedy = "take the checkpoint of this scene, or the scene of this checkpoint";
+
+/// Reads numbers by name, and notes every fault.
+class Reader {
+ public:
+  explicit Reader(const Value& root) : root_(root) {}
+
+  double number(const char* key) {
+    const Value* value = root_.find(key);
+    if (value != nullptr && value->number() != nullptr) return *value->number();
+    faults_.push_back(
+        fault("not-a-checkpoint", "no number " + in_quotes(key), "a checkpoint of bramah simulate", remedy));
+    return 0.0;
+  }
+
+  /// Numbers per name, `width` of each: take(index, numbers).
+  void named(const char* key, const std::vector<std::string>& names, std::size_t width,
+             const std::function<void(std::size_t, const std::vector<double>&)>& take) {
+    const std::string place = pointer("", key);
+    const Value* section = root_.find(key);
+    if (section == nullptr || section->object() == nullptr) {
+      faults_.push_back(
+          fault("not-a-checkpoint", "no object " + in_quotes(key), "a checkpoint of bramah simulate", remedy));
+      return;
+    }
+    std::unordered_map<std::string, const Value*> found;
+    for (const Member& member : *section->object()) found[member.key] = &member.value;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto member = found.find(names[i]);
+      std::vector<double> numbers;
+      if (member != found.end() && list(*member->second, numbers) && numbers.size() == width) {
+        take(i, numbers);
+      } else {
+        faults_.push_back(at(place, fault("unknown-variable", "no numbers for " + in_quotes(names[i]),
+                                          std::to_string(width) + " numbers for every variable of the scene", remedy)));
+      }
+      if (member != found.end()) found.erase(member);
+    }
+    for (const Member& member : *section->object()) {
+      if (found.contains(member.key)) {
+        faults_.push_back(
+            at(pointer(place, member.key),
+               fault("unknown-variable", "the scene has no " + in_quotes(member.key), "variables of the scene", remedy),
+               true));
+      }
+    }
+  }
+
+  static bool list(const Value& value, std::vector<double>& numbers) {
+    if (value.list() == nullptr) return false;
+    for (const Value& item : *value.list()) {
+      if (item.number() == nullptr) return false;
+      numbers.push_back(*item.number());
+    }
+    return true;
+  }
+
+  Faults& faults() { return faults_; }
+
+ private:
+  const Value& root_;
+  Faults faults_;
+};
+
+template <class List>
+std::vector<std::string> names_of(const List& list) {
+  std::vector<std::string> names;
+  for (const auto& one : list) names.push_back(one.name);
+  return names;
+}
+
+std::vector<std::string> multipliers(const System& system) {
+  std::vector<std::string> names;
+  for (Index i = 0; i < system.m() + system.l(); ++i) names.push_back(system.multiplier_name(i));
+  return names;
+}
+
+}  // namespace
+
+std::string checkpoint_text(const System& system, const Checkpoint& checkpoint) {
+  const State& state = checkpoint.state;
+  JsonWriter json;
+  json.begin_object().member("bramah_checkpoint", version).member("time", state.t).member("side", state.side);
+  json.member("integrator", checkpoint.integrator);
+  json.key("x").begin_object();
+  for (std::size_t i = 0; i < system.x.size(); ++i)
+    json.key(system.x[i].name).values(std::vector<double>{state.x[i], state.v[i], state.a[i]});
+  json.end_object().key("z").begin_object();
+  for (std::size_t i = 0; i < system.z.size(); ++i)
+    json.key(system.z[i].name).values(std::vector<double>{state.z[i], state.zdot[i]});
+  json.end_object().key("lambda").begin_object();
+  const std::vector<std::string> names = multipliers(system);
+  for (std::size_t i = 0; i < names.size(); ++i) json.key(names[i]).values(std::vector<double>{state.lambda[i]});
+  json.end_object().key("held").begin_object();
+  for (const auto& [input, value] : state.held) json.member(system.inputs[static_cast<std::size_t>(input)].name, value);
+  json.end_object().key("memory").values(checkpoint.memory).end_object();
+  return json.take();
+}
+
+Checkpoint read_checkpoint(const System& system, const Source& source) {
+  Value root;
+  Faults syntax;
+  if (!parse_json(source.text, root, syntax) || !syntax.empty()) throw SceneError(std::move(syntax));
+  Reader reader(root);
+  Checkpoint result;
+  State& state = result.state = initial_state(system);
+  if (reader.number("bramah_checkpoint") != version && reader.faults().empty()) {
+    reader.faults().push_back(at("/bramah_checkpoint", fault("wrong-version", "a checkpoint of another version",
+                                                             "\"bramah_checkpoint\": 1", "run the simulation anew")));
+  }
+  if (!reader.faults().empty()) throw SceneError(std::move(reader.faults()));
+  state.t = reader.number("time");
+  state.side = reader.number("side") < 0.0 ? -1 : 1;
+  const Value* integrator = root.find("integrator");
+  if (integrator != nullptr && integrator->text() != nullptr) result.integrator = *integrator->text();
+  reader.named("x", names_of(system.x), 3, [&](std::size_t i, const std::vector<double>& numbers) {
+    state.x[i] = numbers[0];
+    state.v[i] = numbers[1];
+    state.a[i] = numbers[2];
+  });
+  reader.named("z", names_of(system.z), 2, [&](std::size_t i, const std::vector<double>& numbers) {
+    state.z[i] = numbers[0];
+    state.zdot[i] = numbers[1];
+  });
+  reader.named("lambda", multipliers(system), 1,
+               [&](std::size_t i, const std::vector<double>& numbers) { state.lambda[i] = numbers[0]; });
+  const Value* held = root.find("held");
+  for (std::size_t k = 0; held != nullptr && held->object() != nullptr && k < held->object()->size(); ++k) {
+    const Member& member = (*held->object())[k];
+    const auto input = std::find_if(system.inputs.begin(), system.inputs.end(),
+                                    [&](const InputSignal& one) { return one.name == member.key; });
+    if (input != system.inputs.end() && member.value.number() != nullptr) {
+      state.held.emplace_back(input - system.inputs.begin(), *member.value.number());
+    } else {
+      reader.faults().push_back(
+          at(pointer("/held", member.key),
+             fault("unknown-variable", "no input " + in_quotes(member.key) + " that can hold this value",
+                   "inputs of the scene, and numbers", remedy),
+             true));
+    }
+  }
+  const Value* memory = root.find("memory");
+  if (memory == nullptr || !Reader::list(*memory, result.memory)) {
+    reader.faults().push_back(
+        fault("not-a-checkpoint", "no list \"memory\" of numbers", "a checkpoint of bramah simulate", remedy));
+  }
+  if (!reader.faults().empty()) throw SceneError(std::move(reader.faults()));
+  apply_inputs(system, state);
+  return result;
+}
+
+}  // namespace bramah
