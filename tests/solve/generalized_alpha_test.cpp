@@ -417,7 +417,7 @@ TEST(GeneralizedAlpha, NamesWhatKeepsItFromGoingOn) {
               "at t = 0.5 s with a step of 0.5 s Newton's method did not converge; with a shorter \"step\" it may; the "
               "step was limited by across_1.x.rate");
     EXPECT_EQ(error.pointer(), "/components/across_1");
-    EXPECT_EQ(error.last().t, 0.0);
+    EXPECT_EQ(error.last().state.t, 0.0);
   }
 }
 
