@@ -35,7 +35,7 @@ namespace {
 constexpr double newton_tolerance = 1e-13, rounding = 1e-8;
 constexpr int most_iterations = 20;
 // A fresh matrix costs about as much as so many iterations with the old one.
-constexpr double worth_a_matrix = 3.0;
+constexpr double worth_a_matrix = 8.0;
 constexpr double tiny_remainder = 1e-9;  // of a step; what is left before the end of a segment joins the step before
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
