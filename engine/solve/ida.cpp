@@ -333,6 +333,7 @@ void Ida::fail(int flag) {
   double step = 0.0;
   IDAGetLastStep(ida_, &step);
   std::string why = "the integrator stopped (" + std::to_string(flag) + ")";
+  if (flag == IDA_TOO_MUCH_WORK) why = "the step has become too small";
   if (flag == IDA_ERR_FAIL) why = "the error test failed again and again";
   if (flag == IDA_CONV_FAIL || flag == IDA_NLS_SETUP_FAIL || flag == IDA_LSETUP_FAIL)
     why = "Newton's method did not converge";

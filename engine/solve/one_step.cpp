@@ -161,7 +161,7 @@ void OneStep::create() {
     });
   };
   check(ARKStepSetTableNum(ark_, ARKODE_ARK436L2SA_DIRK_6_3_4, ARKODE_ERK_NONE), "ARKStepSetTableNum");
-  check(ARKStepSetInterpolantType(ark_, ARK_INTERP_LAGRANGE), "ARKStepSetInterpolantType");
+  check(ARKStepSetInterpolantDegree(ark_, 3), "ARKStepSetInterpolantDegree");
   check(ARKStepSetLinearSolver(ark_, linear_solver_.get(), matrix_.get()), "ARKStepSetLinearSolver");
   check(ARKStepSetLinSysFn(ark_, linearize), "ARKStepSetLinSysFn");
   // Partials cost less than the steps that fail with old ones.
