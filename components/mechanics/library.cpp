@@ -3,6 +3,7 @@
 
 #include "coordinate_force.hpp"
 #include "cylindrical.hpp"
+#include "end_stop.hpp"
 #include "force.hpp"
 #include "gravity.hpp"
 #include "ground.hpp"
@@ -33,4 +34,4 @@ using namespace bramah::mechanics;
 BRAMAH_LIBRARY("mechanics", "0.1.0", Ground, UniformGravity, RigidBody, PlanarBody, Mass, Wheel, RollingDisc, Revolute,
                Universal, Spherical, Cylindrical, Prismatic, PlanarRevolute, Stroke, PlanarStroke, RollingWheel,
                KnifeEdge, CoordinateForce, Force, Torque, PlanarForce, PlanarTorque, PlanarTraction, SpringDamper,
-               TorsionSpring, PlanarBushing)
+               TorsionSpring, PlanarBushing, EndStop)

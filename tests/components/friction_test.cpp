@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "components/friction/brown_mcphee.hpp"
+#include "components/friction/stick_slip.hpp"
 #include "components/probe.hpp"
 
 namespace bramah::friction {
@@ -65,6 +66,52 @@ TEST(BrownMcPheeTest, StaticFrictionIsTheGreater) {
   ASSERT_EQ(faults.size(), 1U);
   EXPECT_EQ(faults[0], "F_s: 830 N; expected at least F_c = 900 N");
   EXPECT_TRUE(Probe<BrownMcPhee>(with(seal, "F_c", 830.0)).faults().empty());
+}
+
+const Parameters slip = {{"F_c", 300.0}, {"F_s", 500.0}, {"v_b", 1e-3}, {"v_s", 0.02}, {"sigma_2", 100.0}};
+
+TEST(StickSlipTest, Conforms) {
+  const Sample::Magnitude slow = {.v = 0.001};
+  const auto at = [&](double v, int side = 1) {
+    return Sample{.parameters = slip, .v = {v}, .side = side, .magnitude = slow};
+  };
+  EXPECT_TRUE(conforms<StickSlip>(
+      {at(0.0), at(5e-4), at(-3e-4), at(0.01), at(-0.3), at(1e-3, 1), at(1e-3, -1), at(-1e-3, 1), at(-1e-3, -1)}));
+}
+
+TEST(StickSlipTest, CreepsBreaksAwayAndFalls) {
+  const auto dry = [](double v) {
+    Probe<StickSlip> probe(slip);
+    probe.v = {v};
+    const auto rows = probe.rows();
+    EXPECT_EQ(rows.f[0], rows.y[0]) << "friction opposes the motion: f = M a - Q, Q = -F";
+    EXPECT_EQ(rows.y[1], rows.y[0] * v);
+    EXPECT_EQ(rows.switches[0], std::fabs(v) - 1e-3);
+    return rows.y[0] - 100.0 * v;
+  };
+  EXPECT_EQ(dry(0.0), 0.0);
+  EXPECT_NEAR(dry(5e-4), 250.0, 1e-11);
+  EXPECT_NEAR(dry(1e-3), 500.0, 1e-11) << "the peak";
+  EXPECT_NEAR(dry(-1e-3), -500.0, 1e-11);
+  EXPECT_NEAR(dry(0.021), 300.0 + 200.0 * std::exp(-1.0), 1e-11);
+  EXPECT_NEAR(dry(-0.021), -300.0 - 200.0 * std::exp(-1.0), 1e-11);
+  EXPECT_NEAR(dry(5.0), 300.0, 1e-11);
+}
+
+TEST(StickSlipTest, TakesTheStatedSideOfBreakAway) {
+  Probe<StickSlip> probe(slip);
+  for (const double v : {1e-3, -1e-3}) {
+    probe.v = {v};
+    probe.side = -1;
+    EXPECT_NEAR(probe.partial(BRAMAH_F_V, 0, 0), 500.0 / 1e-3 + 100.0, 1e-8) << "sticks";
+    probe.side = 1;
+    EXPECT_NEAR(probe.partial(BRAMAH_F_V, 0, 0), -200.0 / 0.02 + 100.0, 1e-8) << "slips";
+  }
+}
+
+TEST(StickSlipTest, StaticFrictionIsTheLarger) {
+  EXPECT_EQ(Probe<StickSlip>(with(slip, "F_s", 100.0)).faults(),
+            std::vector<std::string>{"F_s: 100 N; expected at least F_c = 300 N"});
 }
 
 }  // namespace

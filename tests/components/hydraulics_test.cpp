@@ -3,11 +3,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "components/hydraulics/centre_path.hpp"
+#include "components/hydraulics/check_valve.hpp"
 #include "components/hydraulics/cylinder.hpp"
 #include "components/hydraulics/directional_valve.hpp"
 #include "components/hydraulics/hose.hpp"
 #include "components/hydraulics/leakage.hpp"
+#include "components/hydraulics/pipe.hpp"
 #include "components/hydraulics/pressure_source.hpp"
+#include "components/hydraulics/pump.hpp"
+#include "components/hydraulics/relief_valve.hpp"
 #include "components/hydraulics/throttle.hpp"
 #include "components/hydraulics/volume.hpp"
 #include "components/probe.hpp"
@@ -207,6 +212,158 @@ TEST(LeakageTest, IsLaminarAtAnyDrop) {
     EXPECT_DOUBLE_EQ(rows.y[0], 1e-11 * drop);
     EXPECT_EQ(rows.g, (std::vector<double>{rows.y[0], -rows.y[0]}));  // g = K zdot - h
   }
+}
+
+TEST(ReliefValveTest, Conforms) {
+  const Parameters relief = {{"p_crack", 2.8e7}, {"G_v", 2e-9}};
+  EXPECT_TRUE(conforms<ReliefValve>({{.parameters = relief, .z = {3e7, 1e5}},
+                                     {.parameters = relief, .z = {1e7, 1e5}},
+                                     {.parameters = relief, .z = {2.81e7, 1e5}, .side = 1},
+                                     {.parameters = relief, .z = {2.81e7, 1e5}, .side = -1}}));
+}
+
+TEST(ReliefValveTest, PassesWhatExceedsItsPressure) {
+  Probe<ReliefValve> probe({{"p_crack", 2.8e7}, {"G_v", 2e-9}});
+  const auto flow = [&](double p) {
+    probe.z = {p, 1e5};
+    const auto rows = probe.rows();
+    EXPECT_EQ(rows.g, (std::vector<double>{rows.y[0], -rows.y[0]}));
+    EXPECT_EQ(rows.y[1], rows.y[0] * (p - 1e5));
+    EXPECT_EQ(rows.switches[0], p - 1e5 - 2.8e7);
+    return rows.y[0];
+  };
+  EXPECT_EQ(flow(2.8e7), 0.0);
+  EXPECT_EQ(flow(2.81e7), 0.0) << "at the edge";
+  EXPECT_DOUBLE_EQ(flow(2.91e7), 2e-3);
+  EXPECT_EQ(flow(-1e7), 0.0) << "shut against the flow";
+  probe.z = {2.81e7, 1e5};
+  EXPECT_EQ(probe.partial(BRAMAH_Y_Z, 0, 0), 2e-9);
+  probe.side = -1;
+  EXPECT_EQ(probe.partial(BRAMAH_Y_Z, 0, 0), 0.0);
+}
+
+TEST(CheckValveTest, Conforms) {
+  const Parameters check = {{"p_crack", 3e4}, {"C_v", 2e-6}};
+  EXPECT_TRUE(conforms<CheckValve>({{.parameters = check, .z = {3e6, 1e5}},
+                                    {.parameters = check, .z = {2e5, 1e5}},
+                                    {.parameters = check, .z = {1e5, 3e6}},
+                                    {.parameters = check, .z = {1.3e5, 1e5}, .side = 1},
+                                    {.parameters = check, .z = {1.3e5, 1e5}, .side = -1},
+                                    {.parameters = check, .z = {3.3e5, 1e5}, .side = 1},
+                                    {.parameters = check, .z = {3.3e5, 1e5}, .side = -1}}));
+}
+
+TEST(CheckValveTest, LetsOilPassOneWay) {
+  Probe<CheckValve> probe({{"p_crack", 3e4}, {"C_v", 2e-6}});
+  const auto flow = [&](double drop) {
+    probe.z = {1e5 + drop, 1e5};
+    const auto rows = probe.rows();
+    EXPECT_EQ(rows.g, (std::vector<double>{rows.y[0], -rows.y[0]}));
+    EXPECT_DOUBLE_EQ(rows.y[1], rows.y[0] * drop);
+    EXPECT_DOUBLE_EQ(rows.switches[0], drop - 3e4);
+    EXPECT_DOUBLE_EQ(rows.switches[1], drop - 2.3e5);
+    return rows.y[0];
+  };
+  EXPECT_EQ(flow(-5e6), 0.0);
+  EXPECT_EQ(flow(3e4), 0.0);
+  EXPECT_DOUBLE_EQ(flow(1.3e5), 2e-6 * 1e5 / std::sqrt(2e5));
+  EXPECT_DOUBLE_EQ(flow(2.3e5), 2e-6 * std::sqrt(2e5)) << "continuous at the laminar limit";
+  EXPECT_DOUBLE_EQ(flow(4.03e6), 2e-6 * 2000.0);
+}
+
+TEST(CentrePathTest, Conforms) {
+  const Parameters centre = {{"C_v", 7e-6}, {"U_shut", 0.6}};
+  const auto at = [&](std::vector<double> z, int side = 1) {
+    return Sample{.parameters = centre, .z = std::move(z), .side = side};
+  };
+  EXPECT_TRUE(conforms<CentrePath>({at({3e6, 1e6, 0.2}), at({3e6, 1e6, -0.3}), at({3e6, 1e6, 0.8}),
+                                    at({3e6, 1e6, -0.9}), at({1.1e6, 1e6, 0.2}), at({1e6, 3e6, 0.2}),
+                                    at({3e6, 1e6, 0.0}, 1), at({3e6, 1e6, 0.0}, -1), at({3e6, 1e6, 0.6}, 1),
+                                    at({3e6, 1e6, -0.6}, -1), at({1.2e6, 1e6, 0.3}, 1), at({1.2e6, 1e6, 0.3}, -1)}));
+}
+
+TEST(CentrePathTest, ClosesEitherWay) {
+  Probe<CentrePath> probe({{"C_v", 7e-6}, {"U_shut", 0.5}});
+  const auto flow = [&](double U, double drop = 1e6) {
+    probe.z = {1e6 + drop, 1e6, U};
+    const auto rows = probe.rows();
+    EXPECT_EQ(rows.g, (std::vector<double>{rows.y[0], -rows.y[0], 0.0})) << "the spool feels nothing";
+    EXPECT_DOUBLE_EQ(rows.y[1], rows.y[0] * drop);
+    EXPECT_EQ(rows.switches, (std::vector<double>{U, 1.0 - std::fabs(U) / 0.5, std::fabs(drop) - 2e5}));
+    return rows.y[0];
+  };
+  EXPECT_DOUBLE_EQ(flow(0.0), 7e-3);
+  EXPECT_DOUBLE_EQ(flow(0.125), 0.75 * 7e-3);
+  EXPECT_DOUBLE_EQ(flow(-0.375), 0.25 * 7e-3);
+  EXPECT_EQ(flow(0.5), 0.0);
+  EXPECT_EQ(flow(0.9), 0.0);
+  EXPECT_EQ(flow(-1.0), 0.0);
+  EXPECT_DOUBLE_EQ(flow(0.25, -1e6), -0.5 * 7e-3);
+  probe.z = {2e6, 1e6, 0.0};
+  EXPECT_DOUBLE_EQ(probe.partial(BRAMAH_Y_Z, 0, 2), -7e-3 / 0.5);
+  probe.side = -1;
+  EXPECT_DOUBLE_EQ(probe.partial(BRAMAH_Y_Z, 0, 2), 7e-3 / 0.5);
+}
+
+const Parameters pump = {{"q", 3.2e-5}, {"p_set", 2e6}, {"p_band", 5e5}, {"alpha_min", 0.1}, {"tau", 0.08}};
+
+TEST(PumpTest, Conforms) {
+  // Variables: inlet, outlet, sense, alpha.
+  const auto at = [](double outlet, int side = 1) {
+    return Sample{.parameters = pump, .z = {1e5, outlet, 1e7, 0.7}, .u = {188.5}, .side = side};
+  };
+  EXPECT_TRUE(conforms<Pump>(
+      {at(1.19e7), at(1.1e7), at(1.3e7), at(1.15e7, 1), at(1.15e7, -1), at(1.195e7, 1), at(1.195e7, -1)}));
+}
+
+TEST(PumpTest, DeliversItsDisplacement) {
+  Probe<Pump> probe(pump);
+  probe.z = {1e5, 1.19e7, 1e7, 0.7};
+  probe.u = {188.5};
+  const auto rows = probe.rows();
+  const double Q = 3.2e-5 * 0.7 * 188.5;
+  EXPECT_DOUBLE_EQ(rows.y[0], Q);
+  EXPECT_DOUBLE_EQ(rows.y[1], Q * 1.18e7);
+  EXPECT_DOUBLE_EQ(rows.g[0], Q) << "out of the tank";
+  EXPECT_DOUBLE_EQ(rows.g[1], -Q);
+  EXPECT_EQ(rows.g[2], 0.0) << "sensing takes no oil";
+}
+
+TEST(PumpTest, KeepsItsMarginAboveTheLoad) {
+  Probe<Pump> probe(pump);
+  probe.u = {188.5};
+  const auto alpha_ref = [&](double outlet) {
+    probe.z = {1e5, outlet, 1e7, 0.7};
+    probe.zdot = {0.0, 0.0, 0.0, 2.0};
+    return 0.08 * 2.0 - probe.rows().g[3] + 0.7;
+  };
+  EXPECT_NEAR(alpha_ref(1.1e7), 1.0, 1e-15) << "far below: all it has";
+  EXPECT_NEAR(alpha_ref(1.15e7), 1.0, 1e-15);
+  EXPECT_NEAR(alpha_ref(1.18e7), 0.4, 1e-14);
+  EXPECT_NEAR(alpha_ref(1.195e7), 0.1, 1e-14);
+  EXPECT_NEAR(alpha_ref(2.0e7), 0.1, 1e-15) << "far above: the least";
+  probe.z = {1e5, 1.18e7, 1e7, 0.7};
+  EXPECT_DOUBLE_EQ(probe.rows().switches[0], 2e5 - 0.1 * 5e5);
+  EXPECT_DOUBLE_EQ(probe.rows().switches[1], 2e5 - 5e5);
+  EXPECT_EQ(probe.start(), std::vector<double>{1.0});
+}
+
+const Parameters pipe = {{"d", 0.025}, {"l", 4.0}, {"rho_oil", 870.0}, {"mu", 0.03}};
+
+TEST(PipeTest, Conforms) { EXPECT_TRUE(conforms<Pipe>({{.parameters = pipe, .z = {3e6, 1e6, 2e-3}}})); }
+
+TEST(PipeTest, AcceleratesOilAgainstItsFriction) {
+  Probe<Pipe> probe(pipe);
+  const double area = std::numbers::pi * 0.025 * 0.025 / 4.0, L = 870.0 * 4.0 / area;
+  const double R = 128.0 * 0.03 * 4.0 / (std::numbers::pi * std::pow(0.025, 4));  // Hagen and Poiseuille
+  probe.z = {3e6, 1e6, 2e-3};
+  probe.zdot = {0.0, 0.0, 0.5};
+  const auto rows = probe.rows();
+  EXPECT_EQ(rows.g[0], 2e-3);
+  EXPECT_EQ(rows.g[1], -2e-3);
+  EXPECT_NEAR(rows.g[2], L * 0.5 - (2e6 - R * 2e-3), 1e-14 * 2e6);
+  EXPECT_NEAR(rows.y[0], R * 4e-6, 1e-14 * R * 4e-6);
+  EXPECT_NEAR(rows.y[1], 0.5 * 870.0 * area * 4.0 * std::pow(2e-3 / area, 2), 1e-12) << "m v^2 / 2";
 }
 
 TEST(PressureSourceTest, Conforms) { EXPECT_TRUE(conforms<PressureSource>({{.parameters = {{"p", 7.6e6}}}})); }

@@ -5,6 +5,7 @@
 
 #include "components/mechanics/coordinate_force.hpp"
 #include "components/mechanics/cylindrical.hpp"
+#include "components/mechanics/end_stop.hpp"
 #include "components/mechanics/force.hpp"
 #include "components/mechanics/gravity.hpp"
 #include "components/mechanics/ground.hpp"
@@ -490,6 +491,52 @@ TEST(PlanarTorqueTest, AddsItsSignal) {
   Probe<PlanarTorque> probe;
   probe.u = {4.0};
   EXPECT_EQ(probe.rows().f, (std::vector<double>{0, 0, -4.0}));
+}
+
+const Parameters stop = {{"lower", 0.2}, {"upper", 1.4}, {"stiffness", 5e6}, {"damping", 2.0}};
+
+TEST(EndStopTest, Conforms) {
+  const auto at = [](double s, double v, int side = 1) {
+    return Sample{.parameters = stop, .x = {s}, .v = {v}, .side = side};
+  };
+  EXPECT_TRUE(conforms<EndStop>({at(0.7, 0.1), at(0.19, -0.1), at(0.19, 0.1), at(1.41, 0.1), at(1.41, -0.1),
+                                 at(0.1, 0.9), at(1.5, -0.9), at(0.2, -0.1, 1), at(0.2, -0.1, -1), at(1.4, 0.1, 1),
+                                 at(1.4, 0.1, -1), at(0.15, 0.5, 1), at(0.15, 0.5, -1)}));
+}
+
+TEST(EndStopTest, PushesOnly) {
+  Probe<EndStop> probe(stop);
+  const auto force = [&](double s, double v) {
+    probe.x = {s};
+    probe.v = {v};
+    const auto rows = probe.rows();
+    EXPECT_EQ(rows.f[0], -rows.y[0]);
+    EXPECT_NEAR(rows.switches[0], s - 0.2, 1e-15);
+    EXPECT_NEAR(rows.switches[1], 1.4 - s, 1e-15);
+    EXPECT_EQ(rows.switches[2], 1.0 - 2.0 * v);
+    EXPECT_EQ(rows.switches[3], 1.0 + 2.0 * v);
+    // What the end takes from the motion is stored or dissipated: -F v = d(k d^2 / 2)/dt + P.
+    const double depth = s < 0.2 ? 0.2 - s : s > 1.4 ? s - 1.4 : 0.0, approach = s < 0.7 ? -v : v;
+    EXPECT_NEAR(rows.y[1], depth, 1e-15);
+    EXPECT_NEAR(-rows.y[0] * v, 5e6 * depth * approach + rows.y[2], 1e-9);
+    EXPECT_GE(rows.y[2], 0.0);
+    return rows.y[0];
+  };
+  EXPECT_EQ(force(0.5, -9.0), 0.0);
+  EXPECT_EQ(force(1.39, 9.0), 0.0);
+  EXPECT_NEAR(force(0.19, 0.0), 5e4, 1e-9);
+  EXPECT_NEAR(force(0.19, -0.1), 5e4 * 1.2, 1e-9);
+  EXPECT_NEAR(force(0.19, 0.1), 5e4 * 0.8, 1e-9);
+  EXPECT_EQ(force(0.19, 0.6), 0.0) << "a spring that is left faster than it follows does not pull";
+  EXPECT_NEAR(force(1.41, 0.1), -5e4 * 1.2, 1e-9);
+  EXPECT_EQ(force(1.41, -0.6), 0.0);
+  EXPECT_NEAR(force(std::nextafter(0.2, 0.0), -3.0), 0.0, 1e-8) << "continuous where it begins, at any speed";
+}
+
+TEST(EndStopTest, HasTwoEnds) {
+  Parameters p = stop;
+  p.insert_or_assign("upper", 0.1);
+  EXPECT_EQ(Probe<EndStop>(p).faults(), std::vector<std::string>{"lower: 0.2 m; expected less than upper = 0.1 m"});
 }
 
 }  // namespace
