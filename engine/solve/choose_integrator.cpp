@@ -10,10 +10,11 @@
 namespace bramah {
 namespace {
 
-constexpr int trial_steps = 40;
+constexpr int trial_steps = 20;
 constexpr int power_iterations = 30;
 // Dormand and Prince's method is stable for h |s| up to about 3.3 on the negative real axis.
 constexpr double stability_bound = 3.3;
+constexpr double few_steps = 500.0;  // so many are cheap, whatever bounds them
 
 /// Spectral radius of the rates' Jacobian at `state`, 1/s, by the power method.
 double fastest(const System& system, State state) {
@@ -45,6 +46,14 @@ double fastest(const System& system, State state) {
 
 }  // namespace
 
+SimulateOptions::Integrator integrator_called(std::string_view name) {
+  using Kind = SimulateOptions::Integrator;
+  if (name == "ida") return Kind::ida;
+  if (name == "explicit") return Kind::explicit_one_step;
+  if (name == "implicit") return Kind::implicit_one_step;
+  return name == "generalized_alpha" ? Kind::generalized_alpha : Kind::automatic;
+}
+
 ChosenIntegrator choose_integrator(const System& system, const SimulateOptions& options, const State& start) {
   using Kind = SimulateOptions::Integrator;
   switch (options.integrator) {
@@ -66,7 +75,7 @@ ChosenIntegrator choose_integrator(const System& system, const SimulateOptions& 
       step = std::max(step, reached - t);
       t = reached;
     }
-    const bool stiff = step > 0.5 * bound;
+    const bool stiff = step > 0.5 * bound && options.to_time - start.t > few_steps * bound;
     seen += ", steps for accuracy " + digits(step) + " s";
     if (!stiff) return {make_explicit(system, options, start), seen};
   } catch (const AnalysisError&) {

@@ -276,7 +276,10 @@ Simulation simulate(const System& system, const SimulateOptions& options, const 
 
 Simulation resume(const System& system, const SimulateOptions& options, const Checkpoint& from,
                   const Observer& observer) {
-  Run run(system, options, from.state, observer);
+  SimulateOptions same = options;
+  if (options.integrator == SimulateOptions::Integrator::automatic)
+    same.integrator = integrator_called(from.integrator);
+  Run run(system, same, from.state, observer);
   if (const std::string name = run.integrator(); name != from.integrator) {
     throw AnalysisError("simulate", "a checkpoint of \"" + from.integrator + "\", to be continued by \"" + name + "\"",
                         "the integrator that wrote it", "set \"integrator\": \"" + from.integrator + "\"", "/simulate");

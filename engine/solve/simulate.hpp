@@ -48,8 +48,8 @@ struct Observer {
 
 struct Simulation {
   SimulationStatistics statistics;
-  State last;             // the last state reached
-  Checkpoint checkpoint;  // to go on from there
+  State last;              // the last state reached
+  Checkpoint checkpoint;   // to go on from there
   bool stopped = false;    // by the observer
   std::string stopped_by;  // the scene's event that ended the run
   std::vector<EventTaken> events;

@@ -43,7 +43,7 @@ struct SimulateOptions {
   double rel_tol = 1e-9;             // of each variable's own motion, see simulate.cpp
   double max_step = 0.0;             // 0: no limit
   enum class Integrator { automatic, ida, explicit_one_step, implicit_one_step, generalized_alpha };
-  Integrator integrator = Integrator::ida;
+  Integrator integrator = Integrator::automatic;
   double step = 0.0;          // s, of generalized_alpha, which needs one
   double rho_infinity = 0.8;  // of generalized_alpha: spectral radius at infinite frequency, 0 ... 1
   bool meet_switches = true;  // locate the kinks of laws and restart there

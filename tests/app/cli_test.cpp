@@ -187,17 +187,6 @@ TEST_F(Cli, OutputsOfTheSceneAreTheColumns) {
               testing::StartsWith("time,V3.p,crank.angle.rate,torque\n0,3500000,0,0\n"));
 }
 
-TEST_F(Cli, InterruptKeepsWhatThereIs) {
-  const std::string command =
-      "sh -c 'timeout -s INT 1 " BRAMAH_BINARY_DIR "/bin/bramah simulate " BRAMAH_SOURCE_DIR
-      "/scenes/four_bar/underdamped_low_friction.json --set simulate.to_time=1e6 --set simulate.max_step=1e-5 --out " +
-      folder_.string() + "/out >/dev/null 2>" + folder_.string() + "/err; echo $? >" + folder_.string() + "/code'";
-  ASSERT_EQ(std::system(command.c_str()), 0);
-  EXPECT_THAT(contents(folder_ / "err"), HasSubstr("interrupted; results up to t = "));
-  EXPECT_THAT(contents(folder_ / "out/time_series.csv"), testing::EndsWith("\n"));
-  EXPECT_FALSE(fs::exists(folder_ / "out/time_series.csv.part"));
-}
-
 // ---- study ----
 
 TEST_F(Cli, StudyWritesAWholeFolder) {

@@ -1,0 +1,158 @@
+// Runs that do not end by themselves: interrupted, killed, on a full disk, into a folder that cannot be written. Nothing
+// half-written appears under a final name, the message says what to do, and the run can be continued.
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <functional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "app/cli.hpp"
+
+namespace bramah {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// The program in the background, with its standard error in a file.
+class Process {
+ public:
+  Process(const std::vector<std::string>& arguments, const fs::path& err) : child_(fork()) {
+    if (child_ != 0) return;
+    std::vector<char*> argv;
+    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    if (std::freopen(err.c_str(), "w", stderr) == nullptr) _exit(99);
+    execv(argv[0], argv.data());
+    _exit(99);
+  }
+  ~Process() {
+    if (child_ <= 0) return;
+    kill(child_, SIGKILL);
+    waitpid(child_, nullptr, 0);
+  }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+  /// Sends the signal and waits for the end: the exit code, or minus the signal.
+  int end_by(int signal) {
+    kill(child_, signal);
+    int status = 0;
+    waitpid(std::exchange(child_, 0), &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+
+ private:
+  pid_t child_;
+};
+
+bool comes_true(const std::function<bool()>& condition) {
+  for (int k = 0; k < 6000; ++k) {  // a minute
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
+class Kill : public Cli {
+ protected:
+  /// Half a century of a pendulum.
+  [[nodiscard]] std::vector<std::string> endless(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments = {BRAMAH_BINARY_DIR "/bin/bramah",
+                                          "simulate",
+                                          BRAMAH_SOURCE_DIR "/scenes/linear/hanging_chain.json",
+                                          "--set",
+                                          "simulate.to_time=1.5e9",
+                                          "--set",
+                                          "start.link_1.angle.rate=1",
+                                          "--set",
+                                          "simulate.integrator=explicit",
+                                          "--out",
+                                          (folder_ / "out").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+  [[nodiscard]] static bool has(const fs::path& file, std::uintmax_t bytes) {
+    std::error_code error;
+    return fs::exists(file) && fs::file_size(file, error) > bytes && !error;
+  }
+  /// The start of the run that `out/checkpoint.json` continues.
+  [[nodiscard]] Ended go_on() const {
+    const json saved = json::parse(contents(folder_ / "out/checkpoint.json"));
+    return bramah("simulate '" BRAMAH_SOURCE_DIR
+                  "/scenes/linear/hanging_chain.json' --out more --resume out/checkpoint.json "
+                  "--set simulate.to_time=" +
+                  std::to_string(saved.at("time").get<double>() + 0.1));
+  }
+};
+
+TEST_F(Kill, InterruptKeepsWhatThereIs) {
+  const fs::path series = folder_ / "out/time_series.csv", part = folder_ / "out/time_series.csv.part";
+  Process run(endless(), folder_ / "err");
+  ASSERT_TRUE(comes_true([&] { return has(part, 10000); }));
+  EXPECT_EQ(run.end_by(SIGINT), 130);
+  EXPECT_THAT(contents(folder_ / "err"), HasSubstr("interrupted; results up to t = "));
+  EXPECT_THAT(contents(series), ::testing::EndsWith("\n"));
+  EXPECT_FALSE(fs::exists(part));
+  const Ended rest = go_on();
+  EXPECT_EQ(rest.code, 0) << rest.err;
+}
+
+TEST_F(Kill, AKilledRunLeavesNoBrokenFileAndGoesOnFromItsCheckpoint) {
+  const fs::path part = folder_ / "out/time_series.csv.part", saved = folder_ / "out/checkpoint.json";
+  Process run(endless({"--save-every", "0.05"}), folder_ / "err");
+  ASSERT_TRUE(comes_true([&] { return has(saved, 100) && has(part, 10000); }));
+  EXPECT_EQ(run.end_by(SIGKILL), -SIGKILL);
+  EXPECT_FALSE(fs::exists(folder_ / "out/time_series.csv"));
+  EXPECT_TRUE(json::accept(contents(saved)));
+  const Ended rest = go_on();
+  EXPECT_EQ(rest.code, 0) << rest.err;
+}
+
+TEST_F(Kill, ABinarySeriesCanBeReadAfterAKill) {
+  const fs::path part = folder_ / "out/time_series.npy.part";
+  Process run(endless({"--binary"}), folder_ / "err");
+  const auto rows = [&] {
+    const std::string text = contents(part), key = "'shape': (";
+    const std::size_t at = text.find(key);
+    return at == std::string::npos ? 0L : std::strtol(text.c_str() + at + key.size(), nullptr, 10);
+  };
+  ASSERT_TRUE(comes_true([&] { return has(part, 2000) && rows() > 0; }));
+  EXPECT_EQ(run.end_by(SIGKILL), -SIGKILL);
+  const std::string text = contents(part);
+  ASSERT_EQ(text.substr(0, 8), std::string("\x93NUMPY\x03\x00", 8));
+  std::size_t header = 0;
+  for (std::size_t k = 0; k < 4; ++k)
+    header |= static_cast<std::size_t>(static_cast<unsigned char>(text[8 + k])) << (8 * k);
+  EXPECT_EQ((12 + header) % 64, 0U);
+  const auto columns =
+      static_cast<std::size_t>(std::count(text.begin(), text.begin() + 12 + static_cast<long>(header), '<'));
+  EXPECT_GE(text.size(), 12 + header + 8 * columns * static_cast<std::size_t>(rows()));
+}
+
+// A file may not grow beyond 40 kB: what a full disk looks like to the program.
+TEST_F(Kill, AFullDiskIsToldAndLeavesNothing) {
+  const std::string command =
+      "cd '" + folder_.string() +
+      "' && sh -c \"trap '' XFSZ; ulimit -f 80; '" BRAMAH_BINARY_DIR "/bin/bramah' simulate '" BRAMAH_SOURCE_DIR
+      "/scenes/four_bar/underdamped_low_friction.json' --set simulate.output_step=1e-4 --out out\" 2>err";
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 4);
+  EXPECT_THAT(contents(folder_ / "err"), HasSubstr("out/time_series.csv: cannot be written: File too large"));
+  EXPECT_THAT(contents(folder_ / "err"), HasSubstr("choose another folder with --out"));
+  EXPECT_FALSE(fs::exists(folder_ / "out/time_series.csv"));
+  EXPECT_FALSE(fs::exists(folder_ / "out/time_series.csv.part"));
+}
+
+TEST_F(Kill, AFolderThatCannotBeMadeIsToldBeforeAnyWork) {
+  write("file", "");
+  const Ended run = bramah("simulate " + scene_ + " --out file/out");
+  EXPECT_EQ(run.code, 4);
+  EXPECT_THAT(run.err, HasSubstr("file/out: the folder cannot be made: "));
+}
+
+}  // namespace
+}  // namespace bramah
