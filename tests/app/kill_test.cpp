@@ -141,7 +141,7 @@ TEST_F(Kill, AFullDiskIsToldAndLeavesNothing) {
       "/scenes/four_bar/underdamped_low_friction.json' --set simulate.output_step=1e-4 --out out\" 2>err";
   const int status = std::system(command.c_str());
   EXPECT_EQ(WEXITSTATUS(status), 4);
-  EXPECT_THAT(contents(folder_ / "err"), HasSubstr("out/time_series.csv: cannot be written: File too large"));
+  EXPECT_THAT(contents(folder_ / "err"), HasSubstr("out/time_series.csv: error: cannot be written: File too large"));
   EXPECT_THAT(contents(folder_ / "err"), HasSubstr("choose another folder with --out"));
   EXPECT_FALSE(fs::exists(folder_ / "out/time_series.csv"));
   EXPECT_FALSE(fs::exists(folder_ / "out/time_series.csv.part"));
@@ -151,7 +151,7 @@ TEST_F(Kill, AFolderThatCannotBeMadeIsToldBeforeAnyWork) {
   write("file", "");
   const Ended run = bramah("simulate " + scene_ + " --out file/out");
   EXPECT_EQ(run.code, 4);
-  EXPECT_THAT(run.err, HasSubstr("file/out: the folder cannot be made: "));
+  EXPECT_THAT(run.err, HasSubstr("file/out: error: the folder cannot be made: "));
 }
 
 }  // namespace
