@@ -13,6 +13,8 @@
 #include "planar_bushing.hpp"
 #include "planar_force.hpp"
 #include "planar_revolute.hpp"
+#include "planar_shaker.hpp"
+#include "planar_slot.hpp"
 #include "planar_stroke.hpp"
 #include "planar_torque.hpp"
 #include "planar_traction.hpp"
@@ -32,6 +34,6 @@
 using namespace bramah::mechanics;
 
 BRAMAH_LIBRARY("mechanics", "0.1.0", Ground, UniformGravity, RigidBody, PlanarBody, Mass, Wheel, RollingDisc, Revolute,
-               Universal, Spherical, Cylindrical, Prismatic, PlanarRevolute, Stroke, PlanarStroke, RollingWheel,
-               KnifeEdge, CoordinateForce, Force, Torque, PlanarForce, PlanarTorque, PlanarTraction, SpringDamper,
-               TorsionSpring, PlanarBushing, EndStop)
+               Universal, Spherical, Cylindrical, Prismatic, PlanarRevolute, PlanarSlot, PlanarShaker, Stroke,
+               PlanarStroke, RollingWheel, KnifeEdge, CoordinateForce, Force, Torque, PlanarForce, PlanarTorque,
+               PlanarTraction, SpringDamper, TorsionSpring, PlanarBushing, EndStop)

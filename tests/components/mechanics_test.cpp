@@ -12,6 +12,8 @@
 #include "components/mechanics/planar_body.hpp"
 #include "components/mechanics/planar_force.hpp"
 #include "components/mechanics/planar_revolute.hpp"
+#include "components/mechanics/planar_shaker.hpp"
+#include "components/mechanics/planar_slot.hpp"
 #include "components/mechanics/planar_stroke.hpp"
 #include "components/mechanics/planar_torque.hpp"
 #include "components/mechanics/prismatic.hpp"
@@ -399,6 +401,52 @@ TEST(PlanarRevoluteTest, IsThePinOfTwoBodies) {
   EXPECT_NEAR(rows.r[1], -0.25 - 4.0, 1e-14);
   EXPECT_NEAR(rows.s[0], -(-16.0 * -1.0), 1e-13) << "a turns about y only; b: -w^2 d";
   EXPECT_NEAR(rows.s[1], -9.0 * 2.0, 1e-13);
+}
+
+TEST(PlanarSlotTest, Conforms) {
+  EXPECT_TRUE(conforms<PlanarSlot>(
+      {{}, {.parameters = {{"point_a", {0.3, -0.4}}, {"direction", {-3.0, 4.0}}, {"point_b", {0.1, 0.9}}}}}));
+}
+
+TEST(PlanarSlotTest, HoldsThePinOnItsLine) {
+  // The slot of a runs up from (2, 0), a turned by a quarter: along -x of the ground through (1, 3).
+  Probe<PlanarSlot> probe({{"point_a", {2.0, 0.0}}, {"direction", {0.0, 5.0}}, {"point_b", {0.0, 1.0}}});
+  const double quarter = std::numbers::pi / 2;
+  probe.x = {1.0, 1.0, quarter, 0.5, 2.0, 0.0};  // the pin at (0.5, 3)
+  EXPECT_NEAR(probe.rows().c[0], 0.0, 1e-15);
+  probe.x[4] = 1.8;
+  EXPECT_NEAR(probe.rows().c[0], 0.2, 1e-15) << "left of the slot, which runs towards -x, is -y";
+  // Off the line by sliding along, nothing; by turning a, w times the distance along the slot from a's centre.
+  probe.x[4] = 2.0;
+  probe.v = {0.0, 0.0, 0.0, 7.0, 0.0, 0.0};
+  EXPECT_NEAR(probe.rows().r[0], 0.0, 1e-14);
+  probe.v = {0.0, 0.0, 3.0, 0.0, 0.0, 0.0};
+  EXPECT_NEAR(probe.rows().r[0], -3.0 * 0.5, 1e-14);
+  EXPECT_EQ(Probe<PlanarSlot>({{"direction", {0.0, 0.0}}}).faults(),
+            (std::vector<std::string>{"direction: (0, 0); expected a direction: at least one number other than zero"}));
+}
+
+const Parameters shaker = {{"point", {0.5, 0.2}}, {"direction", {3.0, 4.0}},
+                           {"amplitude", 0.1},    {"omega", 10.0},
+                           {"phase", 0.3},        {"offset", 0.7}};
+
+TEST(PlanarShakerTest, Conforms) {
+  EXPECT_TRUE(conforms<PlanarShaker>(
+      {{.parameters = shaker}, {.parameters = {{"direction", {0, 1}}, {"amplitude", 0.0}, {"omega", 0.0}}}}));
+}
+
+TEST(PlanarShakerTest, MovesThePointAsASineOfTime) {
+  Probe<PlanarShaker> probe(shaker);
+  probe.time = 0.04;
+  const double phase = 0.7, along = 0.7 + 0.1 * std::sin(phase);
+  probe.x = {0.6 * along - 0.5, 0.8 * along - 0.2, 0.0};
+  probe.v = {0.6 * std::cos(phase), 0.8 * std::cos(phase), 0.0};  // amplitude omega = 1 m/s
+  const auto rows = probe.rows();
+  EXPECT_NEAR(rows.c[0], 0.0, 1e-15);
+  EXPECT_NEAR(rows.r[0], 0.0, 1e-15);
+  EXPECT_NEAR(rows.s[0], 10.0 * std::sin(phase), 1e-14) << "cddot without a: amplitude omega^2 sin";
+  EXPECT_EQ(Probe<PlanarShaker>({{"direction", {0, 0}}, {"amplitude", 1.0}, {"omega", 1.0}}).faults(),
+            (std::vector<std::string>{"direction: (0, 0); expected a direction: at least one number other than zero"}));
 }
 
 TEST(StrokeTest, Conforms) {
