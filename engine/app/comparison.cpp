@@ -1,22 +1,18 @@
 #include "app/comparison.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <tuple>
 
 #include "app/results.hpp"
+#include "linear/spectrum.hpp"
 #include "system/analysis_error.hpp"
 
 namespace bramah {
 namespace {
 
-constexpr double kUnstable = 1e-9;  // what a reader without error bounds takes for a positive real part
-
-bool looks_unstable(const Eigenvalues& eigenvalues) {
-  return std::any_of(eigenvalues.begin(), eigenvalues.end(),
-                     [](const auto& value) { return value.real() > kUnstable; });
-}
+// What takes longer than some half a minute is left out, and said to be.
+constexpr double kMostInverting = 1e11;  // multiplications in all dense inverses
+constexpr Index kMostStates = 1000;      // of dense unreduced eigenvalues
 
 Eigenvalues eigenvalues_of(const Spectrum& spectrum) {
   Eigenvalues list;
@@ -24,66 +20,48 @@ Eigenvalues eigenvalues_of(const Spectrum& spectrum) {
   return list;
 }
 
-/// Median of several runs, fewer of long ones.
-template <class Work>
-double median_seconds(Work&& work, double budget) {
-  std::vector<double> runs;
-  for (double total = 0.0; runs.empty() || (total < budget && runs.size() < 101);) {
-    const auto begin = std::chrono::steady_clock::now();
-    work();
-    runs.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-    total += runs.back();
-  }
-  const auto middle = runs.begin() + static_cast<std::ptrdiff_t>(runs.size() / 2);
-  std::nth_element(runs.begin(), middle, runs.end());
-  return *middle;
-}
-
-/// Each nonzero eigenvalue of the reduced model claims the nearest one left, the nearest pairs first.
-void match(const Comparison& comparison, Contender& contender) {
-  const std::size_t wanted = comparison.reduced.size() - comparison.true_zeros, offered = contender.eigenvalues.size();
-  std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
-  for (std::size_t i = 0; i < wanted; ++i) {
-    for (std::size_t j = 0; j < offered; ++j) {
-      pairs.emplace_back(std::abs(contender.eigenvalues[j] - comparison.reduced[i]) / std::abs(comparison.reduced[i]),
-                         i, j);
-    }
-  }
-  std::sort(pairs.begin(), pairs.end());
-  contender.errors.assign(wanted, NAN);
-  std::vector<bool> claimed(offered, false);
-  for (const auto& [error, i, j] : pairs) {
-    if (claimed[j] || !std::isnan(contender.errors[i])) continue;
-    contender.errors[i] = error;
-    claimed[j] = true;
-  }
-  contender.largest_real_part = -HUGE_VAL;
-  for (std::size_t j = 0; j < offered; ++j) {
-    if (claimed[j]) continue;
-    contender.unclaimed.push_back(contender.eigenvalues[j]);
-    contender.largest_false_zero = std::max(contender.largest_false_zero, std::abs(contender.eigenvalues[j]));
-    contender.largest_real_part = std::max(contender.largest_real_part, contender.eigenvalues[j].real());
-  }
-  contender.false_zeros = static_cast<long>(contender.unclaimed.size()) - static_cast<long>(comparison.true_zeros);
-  contender.looks_unstable = looks_unstable(contender.eigenvalues);
+/// Why a rung is left out of this machine's comparison; empty: it is not.
+std::string left_out(Rung rung, const System& system, const Partition& partition, std::size_t steps) {
+  const auto rows = static_cast<Index>(partition.rows.size());
+  const Index states = 2 * system.n() + system.nz(), size = states + rows;
+  const double inverting = 4.0 * static_cast<double>(states) * std::pow(static_cast<double>(size), 3);
+  if (rung == Rung::differences && inverting * static_cast<double>(steps) > kMostInverting)
+    return "left out: " + std::to_string(2 * states) + " dense inverses of size " + std::to_string(size) +
+           " for each h";
+  if (rung != Rung::reduced && size > kMostStates)
+    return "left out: dense eigenvalues of size " + std::to_string(rung == Rung::pencil ? size : states);
+  return "";
 }
 
 void write_contender(JsonWriter& json, const Contender& contender) {
+  const auto number = [&](const char* key, double value) { json.member(key, contender.failure.empty() ? value : NAN); };
+  if (!contender.failure.empty()) json.member("failure", contender.failure);
   json.member("looks_unstable", contender.looks_unstable);
   write_eigenvalues(json, "eigenvalues", contender.eigenvalues);
   json.key("errors").values(contender.errors);
   json.key("false_zeros");
   contender.failure.empty() ? json.value(contender.false_zeros) : json.null();
-  json.member("largest_false_zero", contender.largest_false_zero);
-  json.member("largest_real_part_of_false_zeros", contender.largest_real_part).member("time_s", contender.seconds);
+  number("largest_false_zero", contender.largest_false_zero);
+  number("largest_real_part_of_false_zeros", contender.largest_real_part);
+  number("time_s", contender.cost.total());
+  number("assembly_s", contender.cost.assembly);
+  number("reduction_s", contender.cost.reduction);
+  number("eigenvalues_s", contender.cost.eigenvalues);
+  number("peak_MB", contender.cost.peak_MB);
+}
+
+std::string title(const Contender& contender) {
+  switch (contender.rung) {
+    case Rung::reduced: return "reduced, exact";
+    case Rung::augmented: return "augmented, exact";
+    case Rung::pencil: return "pencil, shift-invert";
+    case Rung::sparse_differences: return "sparse differences, h = " + short_number(contender.h, 3);
+    case Rung::differences: break;
+  }
+  return "differences, h = " + short_number(contender.h, 3);
 }
 
 }  // namespace
-
-double Contender::worst_error() const {
-  if (!failure.empty()) return HUGE_VAL;
-  return errors.empty() ? 0.0 : *std::max_element(errors.begin(), errors.end());
-}
 
 std::size_t Comparison::best() const {
   const auto least =
@@ -93,56 +71,52 @@ std::size_t Comparison::best() const {
 }
 
 Comparison compare(const Context& context, const Linearization& linear, const std::function<void(double)>& progress) {
-  constexpr double budget = 0.05;  // seconds for the repetitions of one measurement
+  constexpr int last_decade = 12;
   std::vector<double> steps = context.options().compare.steps;
-  for (int k = 1; k <= 12 && context.options().compare.steps.empty(); ++k) steps.push_back(std::pow(10.0, -k));
+  for (int k = 1; k <= last_decade && context.options().compare.steps.empty(); ++k) steps.push_back(std::pow(10.0, -k));
 
   Comparison result;
   const System& system = context.system();
-  Linearizer linearizer(system, linear.partition);
-  LinearModel model;
-  progress(0.0);
-  // Every contender is timed to its plain eigenvalues; the reduced ones shown are those of the full analysis.
-  result.reduced_seconds = median_seconds(
-      [&] {
-        linearizer.linearize(linear.state, model);
-        result.reduced = plain_eigenvalues(model);
-      },
-      budget);
+  const double parts = static_cast<double>(steps.size() + 4);
+  double done = 0.0;
   const Spectrum spectrum = find_spectrum(linear.model);
   result.reduced = eigenvalues_of(spectrum);
   result.reduced_size = result.reduced.size();
   result.reduced_looks_unstable = looks_unstable(result.reduced);
-  result.true_zeros = static_cast<std::size_t>(
-      std::count_if(spectrum.modes.begin(), spectrum.modes.end(), [](const Mode& m) { return m.zero; }));
+  result.true_zeros = static_cast<std::size_t>(spectrum.zero_count());
+  const Eigenvalues nonzero(result.reduced.begin(), result.reduced.end() - spectrum.zero_count());
 
-  result.exact.seconds = median_seconds(
-      [&] {
-        linearizer.linearize_augmented(linear.state, model);
-        result.exact.eigenvalues = plain_eigenvalues(model);
-      },
-      budget);
-  result.augmented_size = result.exact.eigenvalues.size();
-  match(result, result.exact);
-
-  for (const double h : steps) {
-    progress(static_cast<double>(1 + result.differences.size()) / static_cast<double>(1 + steps.size()));
+  Measuring how;
+  // Between the slowest and the fastest: where a user who knew them would put it.
+  double logarithms = 0.0;
+  for (const std::complex<double>& value : nonzero) logarithms += std::log(std::abs(value));
+  if (!nonzero.empty()) how.shift = std::exp(logarithms / static_cast<double>(nonzero.size()));
+  const auto contend = [&](Rung rung, double h) {
+    progress(done++ / parts);
     Contender contender;
-    contender.h = h;
-    try {
-      contender.seconds = median_seconds(
-          [&] {
-            contender.eigenvalues =
-                plain_eigenvalues(augmented_by_differences(system, linear.partition, linear.state, h));
-          },
-          budget);
-      match(result, contender);
-    } catch (const AnalysisError& error) {  // a step so large that a law has no value, or so small that nothing is left
-      contender.failure = error.found();
-      contender.seconds = contender.largest_false_zero = contender.largest_real_part = NAN;
+    how.h = h;
+    contender.failure = left_out(rung, system, linear.partition, steps.size());
+    if (contender.failure.empty()) {
+      try {
+        contender = measure(rung, system, linear.partition, linear.state, how);
+        hold_against(nonzero, result.true_zeros, contender);
+      } catch (
+          const AnalysisError& error) {  // as a step so large that a law has no value, or so small that nothing is left
+        contender = Contender{};
+        contender.failure = error.found();
+      }
     }
-    result.differences.push_back(std::move(contender));
-  }
+    contender.rung = rung;
+    contender.h = h;
+    return contender;
+  };
+  result.reduced_cost = contend(Rung::reduced, 0.0).cost;
+  result.exact = contend(Rung::augmented, 0.0);
+  result.augmented_size = static_cast<std::size_t>(2 * system.n() + system.nz());
+  result.pencil = contend(Rung::pencil, 0.0);
+  for (const double h : steps) result.differences.push_back(contend(Rung::differences, h));
+  result.sparse_differences =
+      contend(Rung::sparse_differences, result.differences.empty() ? how.h : result.differences[result.best()].h);
   return result;
 }
 
@@ -153,17 +127,22 @@ std::string comparison_document(const Comparison& comparison) {
       .member("zeros", comparison.true_zeros)
       .member("looks_unstable", comparison.reduced_looks_unstable);
   write_eigenvalues(json, "eigenvalues", comparison.reduced);
-  json.member("time_s", comparison.reduced_seconds).end_object();
+  const Cost& cost = comparison.reduced_cost;
+  json.member("time_s", cost.total()).member("assembly_s", cost.assembly).member("reduction_s", cost.reduction);
+  json.member("eigenvalues_s", cost.eigenvalues).member("peak_MB", cost.peak_MB).end_object();
   json.key("augmented_exact").begin_object().member("size", comparison.augmented_size);
   write_contender(json, comparison.exact);
+  json.end_object().key("augmented_pencil").begin_object().member("size", comparison.pencil.size);
+  write_contender(json, comparison.pencil);
   json.end_object().key("augmented_fd").begin_list();
   for (const Contender& contender : comparison.differences) {
     json.begin_object().member("h", contender.h);
-    if (!contender.failure.empty()) json.member("failure", contender.failure);
     write_contender(json, contender);
     json.end_object();
   }
-  json.end_list();
+  json.end_list().key("augmented_fd_sparse").begin_object().member("h", comparison.sparse_differences.h);
+  write_contender(json, comparison.sparse_differences);
+  json.end_object();
   if (!comparison.differences.empty()) json.member("best_h", comparison.differences[comparison.best()].h);
   json.end_object();
   return json.take();
@@ -179,28 +158,49 @@ Table comparison_table(const Comparison& comparison) {
   for (const char* name : {"false zeros", "largest", "real part", "looks", "time", ""}) table.header.emplace_back(name);
   table.right = "lr" + std::string(shown + (nonzero > shown ? 1 : 0), 'r') + "rrrlrl";
 
-  const auto row = [&](const std::string& name, const Contender& c, bool best) {
-    std::vector<std::string> cells = {name, std::to_string(comparison.augmented_size)};
+  const auto row = [&](const Contender& c, bool best) {
+    std::vector<std::string> cells = {title(c), c.size > 0 ? std::to_string(c.size) : "-"};
     for (std::size_t k = 0; k < shown; ++k) cells.push_back(c.failure.empty() ? short_number(c.errors[k], 2) : "-");
     if (nonzero > shown) cells.push_back(c.failure.empty() ? short_number(c.worst_error(), 2) : "-");
     if (!c.failure.empty()) {
       cells.insert(cells.end(), {"-", "-", "-", "-", "-", c.failure});
     } else {
-      cells.insert(cells.end(), {std::to_string(c.false_zeros), short_number(c.largest_false_zero, 2),
-                                 short_number(c.largest_real_part, 2), c.looks_unstable ? "unstable" : "stable",
-                                 duration(c.seconds), best ? "<- best h" : ""});
+      const bool zeros = !c.unclaimed.empty();
+      cells.insert(cells.end(),
+                   {std::to_string(c.false_zeros), zeros ? short_number(c.largest_false_zero, 2) : "",
+                    zeros ? short_number(c.largest_real_part, 2) : "", c.looks_unstable ? "unstable" : "stable",
+                    duration(c.cost.total()), best ? "<- best h" : ""});
     }
     table.rows.push_back(std::move(cells));
   };
   std::vector<std::string> reduced = {"reduced, exact", std::to_string(comparison.reduced_size)};
   reduced.resize(table.header.size() - 6, "0");
   reduced.insert(reduced.end(), {"0", "", "", comparison.reduced_looks_unstable ? "unstable" : "stable",
-                                 duration(comparison.reduced_seconds), ""});
+                                 duration(comparison.reduced_cost.total()), ""});
   table.rows.push_back(std::move(reduced));
-  row("augmented, exact", comparison.exact, false);
+  row(comparison.pencil, false);
+  row(comparison.exact, false);
+  row(comparison.sparse_differences, false);
   for (std::size_t k = 0; k < comparison.differences.size(); ++k) {
-    row("differences, h = " + short_number(comparison.differences[k].h, 3), comparison.differences[k],
-        k == comparison.best());
+    const Contender& c = comparison.differences[k];
+    row(c, c.failure.empty() && k == comparison.best());
+  }
+  return table;
+}
+
+Table comparison_costs(const Comparison& comparison) {
+  Table table;
+  table.header = {"Jacobian", "assembly", "reduction", "eigenvalues", "memory (MB)"};
+  table.right = "lrrrr";
+  const auto row = [&](const std::string& name, const Cost& cost) {
+    table.rows.push_back({name, duration(cost.assembly), duration(cost.reduction), duration(cost.eigenvalues),
+                          short_number(cost.peak_MB, 3)});
+  };
+  row("reduced, exact", comparison.reduced_cost);
+  std::vector<const Contender*> others = {&comparison.pencil, &comparison.exact, &comparison.sparse_differences};
+  if (!comparison.differences.empty()) others.push_back(&comparison.differences[comparison.best()]);
+  for (const Contender* contender : others) {
+    if (contender->failure.empty()) row(title(*contender), contender->cost);
   }
   return table;
 }
@@ -214,8 +214,9 @@ std::string comparison_text(const Comparison& comparison) {
   out += as_text(comparison_table(comparison));
   out +=
       "\nFalse zeros are eigenvalues of the augmented matrix that stand for nothing in the machine; \"largest\" and\n"
-      "\"real part\" are the largest magnitude and the largest real part among them and the true zeros.\n";
-  return out;
+      "\"real part\" are the largest magnitude and the largest real part among them and the true zeros.\n\n"
+      "What each takes, differences with the best h (CPU time, memory beyond what was there before):\n\n";
+  return out + as_text(comparison_costs(comparison));
 }
 
 }  // namespace bramah

@@ -87,6 +87,7 @@ std::string study_page(const Context& context, const StudyResults& results, cons
     report.heading("Reduced against augmented");
     if (const plot::Figure* figure = find(figures, "compare_errors")) report.figure(plot::svg(*figure));
     report.table(comparison_table(*results.comparison));
+    report.table(comparison_costs(*results.comparison), "What each takes, differences with the best h");
     if (const plot::Figure* figure = find(figures, "compare_false_zeros")) report.figure(plot::svg(*figure));
     report.paragraph(
         "False zeros stand for nothing in the machine. Those with a positive real part would be read as an instability.");

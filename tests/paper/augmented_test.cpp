@@ -4,6 +4,7 @@
 #include <Eigen/SVD>
 
 #include "four_bar.hpp"
+#include "linear/augmented.hpp"
 #include "support/numbers.hpp"
 #include "support/reference.hpp"
 
@@ -28,7 +29,8 @@ class Augmented : public ::testing::Test {
     std::array<double, 3> result{};
     const std::array<double, 3> exact = {-214.391064651238277, -1391.80607440571269, -23151.7903854268843};
     const std::vector<std::complex<double>> spectrum =
-        plain_eigenvalues(augmented_by_differences(machine_.system(), partition_, state_, h));
+        plain_eigenvalues(AugmentedByDifferences(machine_.system(), partition_, AugmentedByDifferences::Inverse::dense)
+                              .jacobian(state_, h));
     for (std::size_t k = 0; k < 3; ++k) {
       result[k] = HUGE_VAL;
       for (const std::complex<double>& lambda : spectrum)

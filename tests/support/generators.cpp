@@ -233,6 +233,118 @@ Scene spatial_ladder(int loops) {
                   std::move(components));
 }
 
+Scene cylinder_manifold(int cylinders) {
+  constexpr double pressure = 5e6, rho_oil = 850.0, feed_area = 2e-6, branch_area = 1e-6, rail_hose = 2e-4;
+  const auto hose = [](const std::string& volume, double V_h) {
+    return Value::Object{
+        {"type", "hydraulics/hose"}, {"volume", volume}, {"V_h", V_h}, {"B_h", 5.5e8}, {"B_oil", 1.5e9}};
+  };
+  const auto throttle = [](const std::string& a, const std::string& b, double area) {
+    return Value::Object{
+        {"type", "hydraulics/throttle"}, {"a", a}, {"b", b}, {"C_d", 0.8}, {"A_t", area}, {"rho_oil", rho_oil}};
+  };
+  Value::Object components = {{"pump", Value::Object{{"type", "hydraulics/pressure_source"}, {"p", pressure}}},
+                              {"tank", Value::Object{{"type", "hydraulics/pressure_source"}, {"p", 0.0}}},
+                              {"rail", Value::Object{{"type", "hydraulics/volume"}}},
+                              {"rail_hose", hose("rail", cylinders * rail_hose)},
+                              {"feed", throttle("pump", "rail", cylinders * feed_area)}};
+  Value::Object start = {{"rail.p", pressure}};
+  for (int i = 1; i <= cylinders; ++i) {
+    const std::string load = numbered("load_", i), head = numbered("head_", i);
+    components.push_back({load, Value::Object{{"type", "mechanics/mass"}, {"mass", 100.0}, {"position", 0.75}}});
+    components.push_back({numbered("spring_", i), Value::Object{{"type", "mechanics/spring_damper"},
+                                                                {"to", load + ".x"},
+                                                                {"stiffness", 1e6},
+                                                                {"damping", 1e3},
+                                                                {"free_length", 0.74}}});
+    components.push_back({head, Value::Object{{"type", "hydraulics/volume"}}});
+    components.push_back({numbered("hose_", i), hose(head, 1e-4)});
+    components.push_back({numbered("throttle_", i), throttle("rail", head, branch_area)});
+    components.push_back({numbered("cylinder_", i), Value::Object{{"type", "hydraulics/cylinder"},
+                                                                  {"stroke", load + ".x"},
+                                                                  {"piston_side", head},
+                                                                  {"rod_side", "tank"},
+                                                                  {"D_2", 0.05},
+                                                                  {"D_3", 0.03},
+                                                                  {"l", 0.5},
+                                                                  {"c_1", 0.5},
+                                                                  {"B_oil", 1.5e9},
+                                                                  {"B_c", 3.15e10}}});
+    start.push_back({head + ".p", pressure});
+  }
+  Scene scene = scene_of("Manifold of " + std::to_string(cylinders) + " cylinders", names({"mechanics", "hydraulics"}),
+                         std::move(components));
+  scene.root.set("start", std::move(start));
+  return scene;
+}
+
+double drawbar(int trailer, int count) { return 2.0 + 2.0 * (trailer - 1) / count; }
+
+Scene trailers(int count) {
+  constexpr double mass = 1000.0, inertia = 800.0;
+  const auto body = [&](double x) {
+    return Value::Object{{"type", "mechanics/planar_body"},
+                         {"mass", mass},
+                         {"inertia", inertia},
+                         {"position", list({x, 0})},
+                         {"velocity", list({trailer_speed, 0})}};
+  };
+  const auto axle = [](const std::string& of) { return Value::Object{{"type", "mechanics/knife_edge"}, {"body", of}}; };
+  double x = 0.0;
+  Value::Object components = {{"tractor", body(x)}, {"axle", axle("tractor")}};
+  for (int i = 1; i <= count; ++i) {
+    const double length = drawbar(i, count);
+    x -= length;
+    const std::string trailer = numbered("trailer_", i);
+    components.push_back({trailer, body(x)});
+    components.push_back({numbered("axle_", i), axle(trailer)});
+    components.push_back(
+        {numbered("hitch_", i), planar_revolute(i == 1 ? std::string("tractor") : numbered("trailer_", i - 1),
+                                                list({0, 0}), trailer, list({length, 0}))});
+  }
+  Scene scene =
+      scene_of("Tractor with " + std::to_string(count) + " trailers", names({"mechanics"}), std::move(components));
+  scene.root.set("linearize", Value::Object{{"at", "start"}});
+  return scene;
+}
+
+Scene spring_lattice(int side) {
+  Value::Object components;
+  const auto mass = [](int i, int j) { return numbered("m_", i) + numbered("_", j); };
+  int springs = 0;
+  const auto connect = [&](const std::string& from, const std::string& to) {  // from "": the frame
+    Value spring =
+        Value::Object{{"type", "mechanics/spring_damper"}, {"to", to + ".x"}, {"stiffness", lattice_stiffness}};
+    if (!from.empty()) spring.set("from", from + ".x");
+    components.push_back({numbered("k_", ++springs), std::move(spring)});
+  };
+  for (int i = 1; i <= side; ++i) {
+    for (int j = 1; j <= side; ++j) {
+      components.push_back({mass(i, j), Value::Object{{"type", "mechanics/mass"}, {"mass", lattice_mass}}});
+      connect(i > 1 ? mass(i - 1, j) : "", mass(i, j));
+      connect(j > 1 ? mass(i, j - 1) : "", mass(i, j));
+      if (i == side) connect("", mass(i, j));
+      if (j == side) connect("", mass(i, j));
+    }
+  }
+  return scene_of("Lattice of " + std::to_string(side) + " x " + std::to_string(side) + " masses", names({"mechanics"}),
+                  std::move(components));
+}
+
+const std::vector<Family>& families() {
+  static const std::vector<Family> all = {
+      {"planar_chain", [](int size) { return planar_chain(size); }},
+      {"spatial_chain", [](int size) { return spatial_chain(size); }},
+      {"four_bar_ladder", four_bar_ladder, 2},
+      {"spatial_ladder", spatial_ladder, 2},
+      {"hydraulic_chain", [](int size) { return hydraulic_chain(size, 4); }},
+      {"cylinder_manifold", cylinder_manifold},
+      {"trailers", trailers},
+      {"spring_lattice", spring_lattice},
+  };
+  return all;
+}
+
 namespace {
 
 void write(JsonWriter& json, const Value& value) {

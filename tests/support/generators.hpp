@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "system/compile.hpp"
 #include "system/scene.hpp"
@@ -43,6 +44,34 @@ Scene four_bar_ladder(int loops);
 
 /// The same at rest, of rigid bodies with hinges along y in the plane x-z: three rows of every loop are redundant.
 Scene spatial_ladder(int loops);
+
+/// Masses on cylinders side by side, their piston sides fed from one rail through a throttle each, the rail from a pump;
+/// rail and its throttle grow with their number. What the cylinders do against each other leaves the rail alone, what they
+/// do together is what one of them does: 3 eigenvalues `cylinders` - 1 times, and the 4 of one cylinder.
+Scene cylinder_manifold(int cylinders);
+
+/// Trailers behind a tractor, straight ahead at trailer_speed: bodies on knife edges, hinged at the axle before them;
+/// seen from above, n = 3 trailers + 3, m = 2 trailers, l = trailers + 1. Nonzero eigenvalues -trailer_speed / length of
+/// each trailer's drawbar; five zeros.
+Scene trailers(int count);
+inline constexpr double trailer_speed = 5.0;
+/// Of trailer 1 ... count, all different.
+double drawbar(int trailer, int count);
+
+/// side x side masses that move across their plane, each held by springs to four neighbours or to the frame around them:
+/// w^2 = 4 (k / m) (sin^2(i p) + sin^2(j p)), p = pi / (2 side + 2), i, j = 1 ... side.
+Scene spring_lattice(int side);
+inline constexpr double lattice_stiffness = 2000.0, lattice_mass = 0.5;
+
+/// A family of scenes with a size.
+struct Family {
+  const char* name;
+  Scene (*make)(int size);
+  int bodies_per_size = 1;  // for costs per body, where the sizes are large
+};
+/// All families: "planar_chain", "spatial_chain", "four_bar_ladder", "spatial_ladder", "hydraulic_chain",
+/// "cylinder_manifold", "trailers", "spring_lattice" (size: its side).
+const std::vector<Family>& families();
 
 /// The scene as a file would hold it.
 std::string scene_text(const Scene& scene);
