@@ -1,13 +1,12 @@
-// What each step of the engine costs, for every machine of families.hpp. Names are work/family/bodies; README.md
-// explains the counters.
+// What each step of the engine costs, for every machine of families.hpp, and one evaluation of every component. Names are
+// work/family/bodies and work/type; README.md explains the counters.
 #include <benchmark/benchmark.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
-#include <ctime>
+#include <filesystem>
 #include <fstream>
-#include <functional>
+#include <map>
 #include <string>
 
 #include "families.hpp"
@@ -16,33 +15,20 @@
 #include "linear/descriptor.hpp"
 #include "linear/eigenpairs.hpp"
 #include "linear/linearize.hpp"
+#include "linear/rungs.hpp"
 #include "linear/spectrum.hpp"
 #include "solve/equilibrium.hpp"
 #include "solve/kkt.hpp"
 #include "solve/redundancy.hpp"
 #include "solve/simulate.hpp"
+#include "solve/start.hpp"
+#include "stopwatch.hpp"
 #include "support/generators.hpp"
 
 namespace bramah::bench {
 namespace {
 
-// Above these the work takes minutes or many gigabytes; it is then reported as skipped.
-constexpr Index most_states_augmented = 6000;  // dense, (2n + nz)^2 doubles three times over
-constexpr Index most_coordinates_differences = 100;
-constexpr Index most_states_spectrum = 400;
-constexpr double difference_step = 1e-5;  // where Fig. 14 has its minimum
-
-// CPU time of this thread: other work on the machine does not count.
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-double seconds_of(const std::function<void()>& work) {
-  const double before = cpu_seconds();
-  work();
-  return cpu_seconds() - before;
-}
+constexpr Index most_states_spectrum = 400;  // above, the work takes minutes and is reported as skipped
 
 void describe(benchmark::State& run, const Case& c) {
   const System& system = c.machine().system();
@@ -53,32 +39,6 @@ void describe(benchmark::State& run, const Case& c) {
   run.counters["per_body"] = Counter(c.bodies(), Counter::kIsIterationInvariantRate | Counter::kInvert);
 }
 
-/// Measures `work` and reports how much longer it takes than `rival`, both alternately in the same run. The rival,
-/// which is the short one, is repeated, so that it does not always meet the memory that the other has left behind.
-void compare(benchmark::State& run, const char* ratio, const std::function<void()>& work,
-             const std::function<void()>& rival) {
-  const double once = seconds_of(rival), other = seconds_of(work);
-  const int repetitions = std::clamp(static_cast<int>(0.1 * other / once), 1, 100);
-  double ours = 0.0, theirs = 0.0;
-  for (auto _ : run) {
-    theirs += seconds_of([&] {
-                for (int i = 0; i < repetitions; ++i) rival();
-              }) /
-              repetitions;
-    const double seconds = seconds_of(work);
-    ours += seconds;
-    run.SetIterationTime(seconds);
-  }
-  run.counters[ratio] = ours / theirs;
-}
-
-/// Everything that one linearization asks for.
-Request all_rows() { return Request{}.rows("fgcrs"); }
-Request all_blocks() {
-  return all_rows().blocks({BRAMAH_F_X, BRAMAH_F_V, BRAMAH_F_A, BRAMAH_F_Z, BRAMAH_F_U, BRAMAH_G_X, BRAMAH_G_V,
-                            BRAMAH_G_Z, BRAMAH_G_ZDOT, BRAMAH_G_U, BRAMAH_C_X, BRAMAH_R_X, BRAMAH_R_V, BRAMAH_S_X,
-                            BRAMAH_S_V, BRAMAH_L_X});
-}
 /// What an integrator asks for in every Newton iteration, and for its matrix.
 Request step_rows() { return Request{}.rows("fgcr"); }
 Request step_blocks() {
@@ -135,7 +95,7 @@ void kkt_factor(benchmark::State& run, const Case& c) {
   for (auto _ : run) {
     sparse::Klu lu;
     lu.analyze(matrix.view());
-    run.SetIterationTime(seconds_of([&] { lu.factor(matrix.view()); }));
+    run.SetIterationTime(elapsed([&] { lu.factor(matrix.view()); }).cpu);
   }
   describe(run, c);
 }
@@ -197,54 +157,6 @@ void linearize_reduced(benchmark::State& run, const Case& c) {
   run.counters["states"] = static_cast<double>(model.A.rows());
 }
 
-void linearize_augmented(benchmark::State& run, const Case& c) {
-  const Machine& machine = c.machine();
-  const Index states = 2 * machine.system().n() + machine.system().nz();
-  if (states > most_states_augmented)
-    return run.SkipWithError("skipped: the dense unreduced Jacobian takes several gigabytes");
-  Linearizer reduced(machine.system(), machine.partition), augmented(machine.system(), machine.partition);
-  LinearModel small, large;
-  reduced.linearize(machine.state, small);
-  augmented.linearize_augmented(machine.state, large);
-  compare(
-      run, "vs_reduced", [&] { augmented.linearize_augmented(machine.state, large); },
-      [&] { reduced.linearize(machine.state, small); });
-  describe(run, c);
-  run.counters["states"] = static_cast<double>(states);
-}
-
-void linearize_differences(benchmark::State& run, const Case& c) {
-  const Machine& machine = c.machine();
-  if (machine.system().n() > most_coordinates_differences)
-    return run.SkipWithError("skipped: dense inverses of this size take minutes");
-  Linearizer reduced(machine.system(), machine.partition);
-  LinearModel small;
-  reduced.linearize(machine.state, small);
-  Eigen::MatrixXd J;
-  compare(
-      run, "vs_reduced",
-      [&] { J = augmented_by_differences(machine.system(), machine.partition, machine.state, difference_step); },
-      [&] { reduced.linearize(machine.state, small); });
-  describe(run, c);
-  run.counters["states"] = static_cast<double>(J.rows());
-}
-
-/// Eigenvalues of the unreduced Jacobian, against those of the reduced one.
-void spectrum_augmented(benchmark::State& run, const Case& c) {
-  const Machine& machine = c.machine();
-  const Index states = 2 * machine.system().n() + machine.system().nz();
-  if (states > most_states_spectrum) return run.SkipWithError("skipped: dense eigenvalues of this size take minutes");
-  Linearizer linearizer(machine.system(), machine.partition);
-  LinearModel small, large;
-  linearizer.linearize(machine.state, small);
-  linearizer.linearize_augmented(machine.state, large);
-  compare(
-      run, "vs_reduced", [&] { benchmark::DoNotOptimize(find_spectrum(large)); },
-      [&] { benchmark::DoNotOptimize(find_spectrum(small)); });
-  describe(run, c);
-  run.counters["states"] = static_cast<double>(states);
-}
-
 void spectrum_reduced(benchmark::State& run, const Case& c) {
   const Machine& machine = c.machine();
   Linearizer linearizer(machine.system(), machine.partition);
@@ -301,20 +213,17 @@ void steps(benchmark::State& run, const Case& c, SimulateOptions options) {
   run.counters["real_time"] = 1.0 / seconds;
 }
 
-void ida_step(benchmark::State& run, const Case& c) { steps(run, c, c.machine().model.options.simulate); }
+void ida_step(benchmark::State& run, const Case& c) {
+  SimulateOptions options = c.machine().model.options.simulate;
+  options.integrator = SimulateOptions::Integrator::ida;
+  steps(run, c, options);
+}
 
 void alpha_step(benchmark::State& run, const Case& c) {
   SimulateOptions options = c.machine().model.options.simulate;
   options.integrator = SimulateOptions::Integrator::generalized_alpha;
   options.step = 1e-3;
   steps(run, c, options);
-}
-
-/// Of the whole process so far: tell it of a work that runs alone.
-double peak_megabytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
 void descriptor(benchmark::State& run, const Case& c) {
@@ -366,6 +275,77 @@ void load_compile(benchmark::State& run, const Case& c) {
   describe(run, c);
 }
 
+/// All instances of one type, without the rest of their machine.
+struct TypeCase {
+  std::string name;
+  Compiled model;
+  State state;
+};
+
+/// One of every shipped component, from the family or scene that has most of them.
+std::vector<TypeCase>& types() {
+  static std::vector<TypeCase> all;
+  return all;
+}
+
+void find_types() {
+  constexpr int size = 200, side = 14;
+  std::vector<Scene> scenes;
+  for (const support::Family& family : support::families())
+    scenes.push_back(family.make(std::string_view(family.name) == "spring_lattice" ? side : size));
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(BRAMAH_SOURCE_DIR "/scenes")) {
+    if (entry.path().extension() == ".json") scenes.push_back(read_scene(entry.path().string()));
+  }
+  std::map<std::string, std::pair<Index, std::size_t>> most;  // instances and scene of every type
+  for (std::size_t k = 0; k < scenes.size(); ++k) {
+    const Compiled model = support::compiled(scenes[k]);
+    for (const Group& group : model.system.groups) {
+      auto& [count, scene] = most[group.type->name];
+      if (group.count > count) {
+        count = group.count;
+        scene = k;
+      }
+    }
+  }
+  for (const auto& [name, found] : most) {
+    Compiled model = support::compiled(scenes[found.second]);
+    const State state = consistent_start(model.system, model.options, 0.0);
+    std::vector<Group> kept;
+    for (Group& group : model.system.groups) {
+      if (group.type->name == name) kept.push_back(std::move(group));
+    }
+    model.system.groups = std::move(kept);
+    types().push_back({name, std::move(model), state});
+  }
+}
+
+/// Values, or all partials, of all instances of one type; per_body is per instance.
+void evaluate_type(benchmark::State& run, const TypeCase& type, bool partials) {
+  const System& system = type.model.system;
+  Blocks blocks(system);
+  Request wanted = Request{}.rows("fgcrsy");
+  if (partials) wanted.block.fill(true);
+  for (auto _ : run) {
+    const Outcome outcome = blocks.evaluate(system, type.state, wanted);
+    if (!outcome.ok()) return run.SkipWithError(outcome.message.c_str());
+  }
+  const auto count = static_cast<double>(system.groups.front().count);
+  run.counters["instances"] = count;
+  run.counters["per_body"] =
+      benchmark::Counter(count, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+void add_types() {
+  find_types();
+  for (const TypeCase& type : types()) {
+    for (const bool partials : {false, true}) {
+      benchmark::RegisterBenchmark(((partials ? "evaluate_partials/" : "evaluate_values/") + type.name).c_str(),
+                                   [&type, partials](benchmark::State& state) { evaluate_type(state, type, partials); })
+          ->Unit(benchmark::kMicrosecond);
+    }
+  }
+}
+
 struct Work {
   const char* name;
   void (*run)(benchmark::State&, const Case&);
@@ -377,8 +357,8 @@ constexpr std::array works = {
     Work{"load_compile", load_compile},
     Work{"assemble_step_rows", assembly<step_rows>},
     Work{"assemble_step_blocks", assembly<step_blocks>},
-    Work{"assemble_rows", assembly<all_rows>},
-    Work{"assemble_blocks", assembly<all_blocks>},
+    Work{"assemble_rows", assembly<linearization_rows>},
+    Work{"assemble_blocks", assembly<linearization_partials>},
     Work{"kkt_fill", kkt_fill},
     Work{"kkt_analyze", kkt_analyze},
     Work{"kkt_factor", kkt_factor, Work::Time::own},
@@ -391,10 +371,7 @@ constexpr std::array works = {
     Work{"redundancy", redundancy},
     Work{"linearizer_setup", linearizer_setup},
     Work{"linearize_reduced", linearize_reduced},
-    Work{"linearize_augmented", linearize_augmented, Work::Time::own},
-    Work{"linearize_differences", linearize_differences, Work::Time::own},
     Work{"spectrum_reduced", spectrum_reduced},
-    Work{"spectrum_augmented", spectrum_augmented, Work::Time::own},
     Work{"descriptor", descriptor},
     Work{"zeros", zeros},
     Work{"nearest_modes", nearest_modes},
@@ -450,6 +427,7 @@ int main(int argc, char** argv) {
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   bramah::bench::describe_machine();
   bramah::bench::add_benchmarks();
+  bramah::bench::add_types();
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   return 0;

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "linear/augmented.hpp"
 #include "linear/staircase.hpp"
 #include "solve/start.hpp"
 #include "support/generators.hpp"
@@ -104,7 +105,8 @@ TEST(Census, IsRightOnRandomMachines) {
 
     if (system.n() > most_coordinates_differences) continue;
     ++compared;
-    const MatrixXd differences = augmented_by_differences(system, partition, state, difference_step);
+    const MatrixXd differences = AugmentedByDifferences(system, partition, AugmentedByDifferences::Inverse::dense)
+                                     .jacobian(state, difference_step);
     if (looks_unstable(plain_eigenvalues(differences))) ++called_unstable;
     linearizer.linearize_augmented(state, augmented);
     if (looks_unstable(plain_eigenvalues(augmented))) ++exact_called_unstable;

@@ -8,6 +8,7 @@
 #include "solve/start.hpp"
 #include "support/generators.hpp"
 #include "support/numbers.hpp"
+#include "support/pendulum.hpp"
 
 namespace bramah::testing {
 namespace {
@@ -95,6 +96,37 @@ TEST(HydraulicChain, HasAZeroForEveryCylinderShutIn) {
   const Model chain(support::hydraulic_chain(5, 2));
   EXPECT_EQ(chain.linear.A.rows(), 2 * 5 + 2 * 3);
   EXPECT_EQ(chain.zeros, 3);
+}
+
+TEST(Pendulum, SturmsCountFindsTheFrequenciesOfTheEngine) {
+  // The engine's are tested against dense matrices in absolute angles (chain_test.cpp): a third formulation.
+  constexpr int links = 9;
+  const auto expected = [](const std::vector<double>& pieces) {
+    Eigenvalues list;
+    for (const double w : support::lowest_frequencies(pieces, static_cast<int>(pieces.size())))
+      list.insert(list.end(), {{0.0, w}, {0.0, -w}});
+    return list;
+  };
+  expect_all(Model(support::planar_chain(links)).nonzero, expected(support::planar_pieces(links)), 1e-11);
+  Eigenvalues both = expected(support::spatial_pieces_about_y(links));
+  const Eigenvalues others = expected(support::spatial_pieces_about_x(links));
+  both.insert(both.end(), others.begin(), others.end());
+  expect_all(Model(support::spatial_chain(links)).nonzero, both, 1e-11);
+}
+
+TEST(Pendulum, LadderFallsInTheTimeThatItsEnergyTells) {
+  // w^2 = 1 + 2 rate (1 - cos phi): the time to an angle by Simpson's rule.
+  for (const int loops : {1, 40}) {
+    const double rate = support::gravity * ((loops + 1) / 2.0 + loops) / ((loops + 1) / 3.0 + loops);
+    const double angle = support::ladder_angle(loops, 10.0);
+    constexpr int intervals = 200000;
+    double sum = 0.0;
+    for (int k = 0; k <= intervals; ++k) {
+      const double weight = k == 0 || k == intervals ? 1.0 : k % 2 == 1 ? 4.0 : 2.0;
+      sum += weight / std::sqrt(1.0 + 2.0 * rate * (1.0 - std::cos(angle * k / intervals)));
+    }
+    EXPECT_TRUE(close(sum * angle / (3.0 * intervals), 10.0, 1e-11)) << loops << " loops";
+  }
 }
 
 TEST(Families, CompileAtEverySize) {
