@@ -32,16 +32,18 @@ double figure(const Results& results, const Value& take, double N, const std::st
 
 /// Of several tolerances the fastest whose error is small enough.
 void take_fastest(const Results& results, const Value& take, double error, Goal& goal) {
-  double least_error = HUGE_VAL;
+  double fastest = HUGE_VAL, least_error = HUGE_VAL;
   for (const Value& line : results.lines) {
     if (text(line, "workload") != text(take, "workload") || number(line, "N") != number(take, "N")) continue;
     const double seconds = number(line, text(take, "key")), found = number(line, "error");
-    least_error = std::min(least_error, std::isnan(found) ? HUGE_VAL : found);
-    if (!(found <= error) || seconds >= goal.measured) continue;
-    goal.measured = seconds;
+    if (std::isnan(found)) continue;
+    least_error = std::min(least_error, found);
+    if (found > error || seconds >= fastest) continue;
+    fastest = seconds;
     goal.note = "tolerance " + short_number(number(line, "tolerance"), 2) + ", error " + short_number(found, 2) + ", " +
                 short_number(number(line, "steps")) + " steps";
   }
+  goal.measured = std::isfinite(fastest) ? fastest : NAN;
   if (std::isnan(goal.measured) && std::isfinite(least_error))
     goal.note = "no tolerance that was tried has a smaller error than " + short_number(least_error, 2);
 }
@@ -50,12 +52,7 @@ void measure(const Results& results, const Value& entry, const Value& take, Goal
   const std::string rung = text(take, "rung"), over = text(entry, "over");
   const double error = number(entry, "error");
   if (!std::isnan(error)) {
-    goal.measured = NAN;
-    Goal fastest = goal;
-    fastest.measured = HUGE_VAL;
-    take_fastest(results, take, error, fastest);
-    goal.note = fastest.note;
-    if (std::isfinite(fastest.measured)) goal.measured = fastest.measured;
+    take_fastest(results, take, error, goal);
     return;
   }
   double largest = -HUGE_VAL, smallest = HUGE_VAL;

@@ -223,7 +223,7 @@ Table rungs_table(const Results& results) {
 
 Table workloads_table(const Results& results) {
   Table table;
-  table.header = {"workload", "N", "time", "error", "steps", "peak memory", "parts"};
+  table.header = {"workload", "N", "CPU time", "error", "steps", "peak memory", "parts"};
   table.right = "lrrrrrl";
   for (const Value& line : results.lines) {
     if (!text(line, "rung").empty()) continue;
@@ -234,10 +234,9 @@ Table workloads_table(const Results& results) {
     }
     const double tolerance = number(line, "tolerance");
     if (std::isfinite(tolerance)) parts += ", tolerance " + short_number(tolerance, 2);
-    table.rows.push_back({text(line, "workload"), short_number(number(line, "N")),
-                          quantity(number(line, "wall_s"), "s"), short_number(number(line, "error"), 2),
-                          short_number(number(line, "steps")), short_number(number(line, "peak_MB"), 3) + " MB",
-                          parts});
+    table.rows.push_back({text(line, "workload"), short_number(number(line, "N")), quantity(number(line, "cpu_s"), "s"),
+                          short_number(number(line, "error"), 2), short_number(number(line, "steps")),
+                          short_number(number(line, "peak_MB"), 3) + " MB", parts});
   }
   return table;
 }
@@ -307,8 +306,8 @@ void make_page(const std::string& name) {
       {"hydraulic", rungs_figure(results, "hydraulic_chain",
                                  "Hydraulic chain, a cylinder on every 4th of N joints: time of the Jacobian",
                                  "jacobian_s", "CPU time", "s")},
-      {"total", rungs_figure(results, "spatial_chain", "Spatial chain: Jacobian and all eigenvalues", "wall_s",
-                             "CPU time", "s")},
+      {"total",
+       rungs_figure(results, "spatial_chain", "Spatial chain: Jacobian and all eigenvalues", "cpu_s", "CPU time", "s")},
       {"sizes",
        rungs_figure(results, "spatial_chain", "Spatial chain of N links: size of the matrix", "size", "size", "")},
       {"per_body_planar", per_body_figure(results, "planar", "Planar chain: costs per body")},

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "io/parse_json.hpp"
 #include "io/read_scene.hpp"
 
 namespace bramah::bench {
@@ -18,13 +19,25 @@ std::string contents(const std::string& file) {
   return text.str();
 }
 
-Value read_json(const std::string& file) { return read_scene_text(contents(file), file).root; }
+namespace {
+
+Value parsed(const std::string& text, const std::string& place) {
+  Value value;
+  Faults faults;
+  if (parse_json(text, value, faults) && faults.empty()) return value;
+  const Source source{place, text};
+  throw std::runtime_error(faults.empty() ? place + ": not JSON" : render(source, SceneError(std::move(faults))));
+}
+
+}  // namespace
+
+Value read_json(const std::string& file) { return parsed(contents(file), file); }
 
 std::vector<Value> read_json_lines(const std::string& file) {
   std::istringstream in(contents(file));
   std::vector<Value> list;
   for (std::string line; std::getline(in, line);) {
-    if (!line.empty()) list.push_back(read_scene_text(line, file + ":" + std::to_string(list.size() + 1)).root);
+    if (!line.empty()) list.push_back(parsed(line, file + ", result " + std::to_string(list.size() + 1)));
   }
   return list;
 }

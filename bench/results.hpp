@@ -11,7 +11,7 @@ namespace bramah::bench {
 
 /// Text of a file; throws std::runtime_error that says what to do.
 std::string contents(const std::string& file);
-/// One JSON document; SceneError names place and fault.
+/// One JSON document; std::runtime_error names place and fault.
 Value read_json(const std::string& file);
 /// One JSON document a line.
 std::vector<Value> read_json_lines(const std::string& file);

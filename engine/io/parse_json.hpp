@@ -1,4 +1,4 @@
-// JSON text to Value, with the errors of syntax told as faults of a scene. For io alone.
+// JSON text to Value, with the errors of syntax told as faults of a scene. For io, and for what reads its results.
 #pragma once
 
 #include <string>
