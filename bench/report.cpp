@@ -27,8 +27,8 @@ std::string title_of(const std::string& rung) {
   static const std::map<std::string, std::string> titles = {{"reduced", "reduced"},
                                                             {"pencil", "pencil (d)"},
                                                             {"augmented", "augmented (c)"},
-                                                            {"sparse_differences", "sparse differences (b)"},
-                                                            {"differences", "dense differences (a)"}};
+                                                            {"sparse_differences", "sparse diff. (b)"},
+                                                            {"differences", "dense diff. (a)"}};
   return titles.at(rung);
 }
 
@@ -179,7 +179,8 @@ plot::Figure zeros_figure(const Value& comparison) {
 std::string quantity(double value, const std::string& unit) {
   if (std::isnan(value)) return "-";
   if (unit == "s") return duration(value);
-  return short_number(value, 3) + (unit == "x" ? " x" : "");
+  constexpr double whole = 100.0;
+  return (value >= whole ? short_number(std::round(value)) : short_number(value, 3)) + (unit == "x" ? " x" : "");
 }
 
 Table goals_table(const std::vector<Goal>& goals) {
@@ -306,8 +307,8 @@ void make_page(const std::string& name) {
       {"hydraulic", rungs_figure(results, "hydraulic_chain",
                                  "Hydraulic chain, a cylinder on every 4th of N joints: time of the Jacobian",
                                  "jacobian_s", "CPU time", "s")},
-      {"total",
-       rungs_figure(results, "spatial_chain", "Spatial chain: Jacobian and all eigenvalues", "cpu_s", "CPU time", "s")},
+      {"total", rungs_figure(results, "spatial_chain", "Spatial chain: Jacobian and all eigenvalues", "total_s",
+                             "CPU time", "s")},
       {"sizes",
        rungs_figure(results, "spatial_chain", "Spatial chain of N links: size of the matrix", "size", "size", "")},
       {"per_body_planar", per_body_figure(results, "planar", "Planar chain: costs per body")},
@@ -331,8 +332,8 @@ void make_page(const std::string& name) {
   page.heading("Time against size");
   page.figures({svg_of("planar"), svg_of("spatial"), svg_of("hydraulic"), svg_of("total")});
   page.paragraph(
-      "Exponents are fitted over the last three sizes of each curve. The pencil's Jacobian includes its "
-      "factorization and the operator written out, where all eigenvalues are taken.");
+      "Exponents are fitted over the last three sizes of each curve. The pencil has no Jacobian: its matrices and "
+      "their factorization stand there, and the operator written out belongs to the eigenvalues.");
   page.heading("Costs per body");
   page.figures({svg_of("per_body_planar"), svg_of("per_body_spatial")});
   page.heading("Digits");

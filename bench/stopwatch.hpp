@@ -29,19 +29,21 @@ Elapsed elapsed(Work&& work) {
   return {std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count(), cpu_seconds() - cpu};
 }
 
-/// Medians of several runs, fewer of long ones; the first, which finds caches cold, does not count where there are more.
+/// Medians of several runs, fewer of long ones. The first finds memory not yet touched and factors not yet made: it counts
+/// only where it takes longer than `patience` and stays alone.
 template <class Work>
 Elapsed median_elapsed(Work&& work, double budget = 0.3) {
   constexpr std::size_t most = 51;
+  constexpr double patience = 5.0;  // s
+  const Elapsed first = elapsed(work);
+  if (first.wall > patience) return first;
   std::vector<double> wall, cpu;
-  Elapsed first = elapsed(work);
-  for (double total = first.wall; total < budget && wall.size() < most;) {
+  for (double total = first.wall; wall.empty() || (total < budget && wall.size() < most);) {
     const Elapsed run = elapsed(work);
     wall.push_back(run.wall);
     cpu.push_back(run.cpu);
     total += run.wall;
   }
-  if (wall.empty()) return first;
   const auto median = [](std::vector<double>& list) {
     const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
     std::nth_element(list.begin(), middle, list.end());

@@ -163,7 +163,7 @@ void ladder(const Arguments& arguments, SimulateOptions::Integrator integrator) 
   const double expected = support::ladder_angle(arguments.N, to_time);
   const double error = std::hypot(std::cos(angle) - std::sin(expected), std::sin(angle) - std::cos(expected));
   add_times(line, time, error, run.statistics.steps);
-  line.add("tolerance", options.rel_tol).add("jacobian_s", jacobian);
+  line.add("evaluations", run.statistics.evaluations).add("tolerance", options.rel_tol).add("jacobian_s", jacobian);
   line.add("integrator", run.statistics.integrator).print();
 }
 void four_bar_ladder(const Arguments& arguments) { ladder(arguments, SimulateOptions::Integrator::automatic); }
@@ -271,6 +271,7 @@ void rungs(const Arguments& arguments, const Scene& scene) {
       line.add("wall_s", cost.total()).add("cpu_s", cost.total()).add("error", if_known(contender.worst_error()));
       line.add("steps", 0).add("assembly_s", cost.assembly).add("reduction_s", cost.reduction);
       line.add("jacobian_s", cost.jacobian()).add("eigenvalues_s", if_known(cost.eigenvalues));
+      line.add("total_s", if_known(cost.total()));
       line.add("false_zeros", if_known(static_cast<double>(contender.false_zeros)));
       line.add("largest_false_zero", if_known(contender.largest_false_zero));
       line.add("looks_unstable", contender.looks_unstable).add("taken_MB", cost.peak_MB);

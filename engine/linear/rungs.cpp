@@ -125,18 +125,14 @@ void measure_pencil(const System& system, const Partition& partition, const Stat
                     Contender& result) {
   Descriptor descriptor(system, partition.rows);
   result.cost.assembly = median_seconds(how.budget, [&] { descriptor.evaluate(state); });
-  Eigen::MatrixXd op;
-  result.cost.reduction = median_seconds(how.budget, [&] {
-    AugmentedPencil pencil(descriptor);
-    pencil.factor(how.shift);
-    if (how.eigenvalues) op = pencil.written_out();
-  });
+  result.cost.reduction = median_seconds(how.budget, [&] { AugmentedPencil(descriptor).factor(how.shift); });
   AugmentedPencil pencil(descriptor);
   pencil.factor(how.shift);
   result.size = pencil.size();
-  if (how.eigenvalues)
-    result.cost.eigenvalues =
-        median_seconds(how.budget, [&] { result.eigenvalues = pencil.finite(plain_eigenvalues(op)); });
+  if (how.eigenvalues) {
+    result.cost.eigenvalues = median_seconds(
+        how.budget, [&] { result.eigenvalues = pencil.finite(plain_eigenvalues(pencil.written_out())); });
+  }
 }
 
 }  // namespace
