@@ -27,8 +27,8 @@ std::string title_of(const std::string& rung) {
   static const std::map<std::string, std::string> titles = {{"reduced", "reduced"},
                                                             {"pencil", "pencil (d)"},
                                                             {"augmented", "augmented (c)"},
-                                                            {"sparse_differences", "sparse diff. (b)"},
-                                                            {"differences", "dense diff. (a)"}};
+                                                            {"sparse_differences", "sparse (b)"},
+                                                            {"differences", "dense (a)"}};
   return titles.at(rung);
 }
 

@@ -40,6 +40,7 @@ class AugmentedByDifferences {
 
  private:
   void evaluate(const Request& request);
+  // NOLINTNEXTLINE(readability-identifier-naming): the paper's F
   [[nodiscard]] Eigen::VectorXd F(bool factors_hold);
 
   const System& system_;
