@@ -14,7 +14,9 @@ constexpr int trial_steps = 20;
 constexpr int power_iterations = 30;
 // Dormand and Prince's method is stable for h |s| up to about 3.3 on the negative real axis.
 constexpr double stability_bound = 3.3;
-constexpr double few_steps = 500.0;  // so many are cheap, whatever bounds them
+// The run in steps of that length: fewer are cheap whatever bounds them, more are too many even where they are needed at
+// the start.
+constexpr double few_steps = 500.0, most_steps = 5'000.0;
 
 /// Spectral radius of the rates' Jacobian at `state`, 1/s, by the power method.
 double fastest(const System& system, State state) {
@@ -66,6 +68,8 @@ ChosenIntegrator choose_integrator(const System& system, const SimulateOptions& 
   const double speed = fastest(system, start);
   const double bound = stability_bound / std::max(speed, 1e-300);
   std::string seen = "the fastest motion has " + digits(speed) + " 1/s";
+  const double steps = (options.to_time - start.t) / bound;
+  if (steps > most_steps) return {make_ida(system, options, start), seen};
   try {
     auto trial = make_explicit(system, options, start);
     trial->begin(start, std::min(options.to_time, next_breakpoint(system, start.t)));
@@ -75,7 +79,7 @@ ChosenIntegrator choose_integrator(const System& system, const SimulateOptions& 
       step = std::max(step, reached - t);
       t = reached;
     }
-    const bool stiff = step > 0.5 * bound && options.to_time - start.t > few_steps * bound;
+    const bool stiff = step > 0.5 * bound && steps > few_steps;
     seen += ", steps for accuracy " + digits(step) + " s";
     if (!stiff) return {make_explicit(system, options, start), seen};
   } catch (const AnalysisError&) {

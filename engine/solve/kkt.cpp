@@ -6,6 +6,9 @@
 #include "system/analysis_error.hpp"
 
 namespace bramah {
+namespace {
+constexpr int refinements = 2;
+}
 
 Kkt::Kkt(const System& system, std::span<const Index> rows, std::vector<double> softness)
     : system_(system), rows_(rows.begin(), rows.end()), softness_(std::move(softness)) {
@@ -47,13 +50,18 @@ void Kkt::solve(std::span<double> rhs, Index count) const {
   lu_.solve(rhs, count);
   if (softness_.empty()) return;
   const auto n = static_cast<std::size_t>(system_.n()), size = static_cast<std::size_t>(size_);
-  refinement_.assign(rhs.size(), 0.0);
-  for (std::size_t column = 0; column < rhs.size(); column += size) {
-    for (std::size_t k = 0; k < softness_.size(); ++k)
-      refinement_[column + n + k] = -softness_[k] * rhs[column + n + k];
+  // Each refinement leaves another factor of softness / sigma^2: the last correction's multipliers are its residual.
+  refinement_.assign(rhs.begin(), rhs.end());
+  for (int k = 0; k < refinements; ++k) {
+    for (std::size_t column = 0; column < rhs.size(); column += size) {
+      std::fill_n(refinement_.begin() + static_cast<std::ptrdiff_t>(column), n, 0.0);
+      for (std::size_t i = 0; i < softness_.size(); ++i) refinement_[column + n + i] *= -softness_[i];
+      std::fill(refinement_.begin() + static_cast<std::ptrdiff_t>(column + n + softness_.size()),
+                refinement_.begin() + static_cast<std::ptrdiff_t>(column + size), 0.0);
+    }
+    lu_.solve(refinement_, count);
+    for (std::size_t i = 0; i < rhs.size(); ++i) rhs[i] += refinement_[i];
   }
-  lu_.solve(refinement_, count);
-  for (std::size_t i = 0; i < rhs.size(); ++i) rhs[i] += refinement_[i];
 }
 
 std::string Kkt::unknown_component(Index i) const {

@@ -20,7 +20,7 @@ class Kkt {
  public:
   /// `rows`: independent rows of [c; b]. With a `softness` (one per row, 0 or more) the block of the rows is not 0 but
   /// -softness: accelerations stay bounded where rows become dependent, at singular positions. Solutions are refined
-  /// once, so that softness / sigma^2 leaves its square only, sigma^2 an eigenvalue of D M^-1 D^T.
+  /// twice, so that of softness / sigma^2 the cube is left, sigma^2 an eigenvalue of D M^-1 D^T.
   Kkt(const System& system, std::span<const Index> rows, std::vector<double> softness = {});
 
   /// What must be evaluated before factor.
