@@ -23,6 +23,7 @@ void fill(SparsePlan& plan, const Blocks& blocks) {
   const double one = 1.0;
   plan.fill(blocks, {&one, 1});
 }
+std::span<double> entries(auto& columns) { return {columns.data(), static_cast<std::size_t>(columns.size())}; }
 void factor(sparse::Klu& lu, const SparsePlan& plan, const char* what) {
   if (lu.factor(view(plan))) return;
   throw AnalysisError("linearize", std::string(what) + " is singular at this state", "a partition that holds here",
@@ -113,6 +114,16 @@ Linearizer::Linearizer(const System& system, Partition partition, std::vector<Me
   }
   for (const InputSignal& input : system.inputs) input_names_.push_back({input.name, input.unit});
   for (const Measured& y : outputs_) output_names_.push_back({y.name, y.unit});
+
+  for (const Index i : partition_.ai) reduced_rows_.push_back({&Linearizer::moves_, n + i});
+  for (const Index i : partition_.ai) reduced_rows_.push_back({&Linearizer::follows_, i});
+  for (const Index i : partition_.ad) reduced_rows_.push_back({&Linearizer::moves_, n + i});
+  for (Index i = 0; i < n; ++i) augmented_rows_.push_back({&Linearizer::moves_, n + i});
+  for (Index i = 0; i < n; ++i) augmented_rows_.push_back({&Linearizer::follows_, i});
+  for (Index i = 0; i < nz; ++i) {
+    reduced_rows_.push_back({&Linearizer::follows_, n + rows + i});
+    augmented_rows_.push_back({&Linearizer::follows_, n + rows + i});
+  }
 }
 
 namespace {
@@ -151,11 +162,11 @@ void Linearizer::check_consistent() const {
   double worst = consistency;
   std::string name, remedy;
   double found = 0.0;
-  const auto look = [&](double residual, double scale, const std::string& what, const char* mend) {
+  const auto look = [&](double residual, double scale, const char* what, const auto& whose, const char* mend) {
     if (!(std::abs(residual) > worst * scale)) return;
     worst = std::abs(residual) / scale;
     found = residual;
-    name = what;
+    name = what + whose.name;
     remedy = mend;
   };
   // What a change of one nominal in any variable does to a row is the size of its terms.
@@ -174,30 +185,84 @@ void Linearizer::check_consistent() const {
   constexpr double nothing = 1e-300;
   const std::size_t rows = partition_.rows.size();
   for (std::size_t i = 0; i < n; ++i)
-    look(blocks_.f[i], std::max({scale[i], 1.0}), "Eq. (16), the force balance of " + system_.x[i].name,
+    look(blocks_.f[i], std::max({scale[i], 1.0}), "Eq. (16), the force balance of ", system_.x[i],
          "complete the accelerations and multipliers first, or find the equilibrium");
   for (std::size_t i = 0; i < system_.z.size(); ++i)
-    look(blocks_.g[i], scale[n + rows + i] + nothing, "Eq. (19), the storage balance of " + system_.z[i].name,
+    look(blocks_.g[i], scale[n + rows + i] + nothing, "Eq. (19), the storage balance of ", system_.z[i],
          "complete the rates of first-order variables first");
   for (std::size_t i = 0; i < system_.holonomic.size(); ++i)
-    look(blocks_.c[i], 1.0, "Eq. (17), the constraint " + system_.holonomic[i].name, "assemble the positions first");
+    look(blocks_.c[i], 1.0, "Eq. (17), the constraint ", system_.holonomic[i], "assemble the positions first");
   for (std::size_t i = 0; i < rows; ++i) {
     const Index row = partition_.rows[i];
-    look(blocks_.r[static_cast<std::size_t>(row)], 1.0,
-         "Eq. (18), the rate of constraint " + system_.constraint(row).name, "assemble the velocities first");
-    look(blocks_.s[static_cast<std::size_t>(row)], std::max(1.0, scale[n + i]),
-         "the acceleration of constraint " + system_.constraint(row).name, "complete the accelerations first");
+    look(blocks_.r[static_cast<std::size_t>(row)], 1.0, "Eq. (18), the rate of constraint ", system_.constraint(row),
+         "assemble the velocities first");
+    look(blocks_.s[static_cast<std::size_t>(row)], std::max(1.0, scale[n + i]), "the acceleration of constraint ",
+         system_.constraint(row), "complete the accelerations first");
   }
   if (name.empty()) return;
   throw AnalysisError("linearize", name + " is violated by " + digits(found),
                       "a state that satisfies Eqs. (16)-(20) to " + digits(consistency) + " of their terms", remedy);
 }
 
-/// What follows from `motion_`: accelerations, multipliers and rates, by Eqs. (23), (26), (28), (37) solved together.
-/// Eliminating the multipliers with T^T as in Steps 1, 3 and 7 gives the same accelerations; here they stay, for outputs.
+Index Linearizer::columns() const {
+  const Index coordinates =
+      reduced_ ? 2 * static_cast<Index>(partition_.ai.size()) + static_cast<Index>(partition_.ad.size())
+               : 2 * system_.n();
+  return coordinates + system_.nz() + system_.nu();
+}
+
+/// Motion: what the states and inputs `first`, first + 1, ... move; columns beyond the last are zero.
+void Linearizer::move(Index first) {
+  const Index n = system_.n(), all = columns(), coordinates = all - system_.nz() - system_.nu();
+  moves_.setZero(2 * n + system_.nz() + system_.nu(), block);
+  for (Index j = std::max(first, coordinates); j < std::min(first + block, all); ++j)
+    moves_(2 * n + j - coordinates, j - first) = 1.0;
+  if (first >= coordinates) return;
+  if (reduced_) return move_coordinates(first);
+  for (Index j = first; j < std::min(first + block, coordinates); ++j) moves_(j, j - first) = 1.0;
+}
+
+/// Steps 2 and 4: positions and velocities that move with x_ai, v_ai and x_ad.
+void Linearizer::move_coordinates(Index first) {
+  const Index n = system_.n();
+  const auto k = static_cast<Index>(partition_.ai.size()), l = static_cast<Index>(partition_.ad.size()),
+             m = static_cast<Index>(partition_.d.size());
+  const Index count = std::min(block, 2 * k + l - first);
+  const auto ai = [&](Index i) { return partition_.ai[static_cast<std::size_t>(i)]; };
+  const auto ad = [&](Index i) { return partition_.ad[static_cast<std::size_t>(i)]; };
+  const auto d = [&](Index i) { return partition_.d[static_cast<std::size_t>(i)]; };
+  auto x = moves_.topRows(n), v = moves_.middleRows(n, n);
+
+  // Step 4, Eqs. (41)-(44): x = Vh_ai x_ai + Vh_ad x_ad.
+  for (Index c = 0; c < count; ++c) {
+    const Index j = first + c;
+    if (j < k) x(ai(j), c) = 1.0;
+    if (j >= k && j < 2 * k) v(ai(j - k), c) = 1.0;
+    if (j >= 2 * k) x(ad(j - 2 * k), c) = 1.0;
+  }
+  const bool velocities_only = first >= k && first + count <= 2 * k;
+  if (m > 0 && !velocities_only) {
+    dependent_.setZero(m, block);
+    dependent_.noalias() -= matrix(C_x_) * x;
+    lu_C_xd_.solve_block(entries(dependent_));
+    for (Index i = 0; i < m; ++i) x.row(d(i)).head(count) = dependent_.row(i).head(count);
+  }
+  // Step 2, Eqs. (33)-(35): v = T v_ai + V_rate x. Its x_ad rows are Eq. (51), the result of Steps 5 and 6.
+  if (m + l == 0) return;
+  dependent_.setZero(m + l, block);
+  dependent_.noalias() -= matrix(D_) * v;
+  if (!velocities_only) dependent_.noalias() -= matrix(D_rate_) * x;
+  lu_D_dd_.solve_block(entries(dependent_));
+  for (Index i = 0; i < m; ++i) v.row(d(i)).head(count) = dependent_.row(i).head(count);
+  for (Index i = 0; i < l; ++i) v.row(ad(i)).head(count) = dependent_.row(m + i).head(count);
+}
+
+/// Accelerations, multipliers and rates that follow, by Eqs. (23), (26), (28), (37) solved together. Eliminating the
+/// multipliers with T^T as in Steps 1, 3 and 7 gives the same accelerations; here they stay, for outputs.
 void Linearizer::respond() {
-  response_.noalias() = -(matrix(loads_) * motion_);
-  kkt_.solve({response_.data(), static_cast<std::size_t>(response_.size())}, response_.cols());
+  follows_.setZero(kkt_.size(), block);
+  follows_.noalias() -= matrix(loads_) * moves_;
+  kkt_.solve_block(entries(follows_));
 }
 
 void Linearizer::linearize(const State& state, LinearModel& model) {
@@ -209,58 +274,37 @@ void Linearizer::linearize(const State& state, LinearModel& model) {
   fill(D_dd_, blocks_);
   factor(lu_C_xd_, C_xd_, "the matrix C_xd of Eq. (42)");
   factor(lu_D_dd_, D_dd_, "the matrix D_dd of Eq. (31)");
-
-  const Index n = system_.n(), nz = system_.nz(), nu = system_.nu();
-  const auto k = static_cast<Index>(partition_.ai.size()), l = static_cast<Index>(partition_.ad.size());
-  const Index states = 2 * k + l + nz, columns = states + nu;
-  const auto ai = [&](Index i) { return partition_.ai[static_cast<std::size_t>(i)]; };
-  const auto ad = [&](Index i) { return partition_.ad[static_cast<std::size_t>(i)]; };
-  const auto d = [&](Index i) { return partition_.d[static_cast<std::size_t>(i)]; };
-  const auto m = static_cast<Index>(partition_.d.size());
-  motion_.setZero(2 * n + nz + nu, columns);
-  auto x = motion_.topRows(n), v = motion_.middleRows(n, n);
-
-  // Step 4, Eqs. (41)-(44): x = Vh_ai x_ai + Vh_ad x_ad.
-  for (Index i = 0; i < k; ++i) x(ai(i), i) = 1.0;
-  for (Index i = 0; i < l; ++i) x(ad(i), 2 * k + i) = 1.0;
-  if (m > 0) {
-    work_.noalias() = -(matrix(C_x_) * x.leftCols(2 * k + l));
-    lu_C_xd_.solve({work_.data(), static_cast<std::size_t>(work_.size())}, work_.cols());
-    for (Index i = 0; i < m; ++i) x.row(d(i)).head(2 * k + l) = work_.row(i);
-  }
-  // Step 2, Eqs. (33)-(35): v = T v_ai + V_rate x. Its x_ad rows are Eq. (51), the result of Steps 5 and 6.
-  for (Index i = 0; i < k; ++i) v(ai(i), k + i) = 1.0;
-  if (m + l > 0) {
-    work_.noalias() = -(matrix(D_) * v.leftCols(2 * k + l));
-    work_.noalias() -= matrix(D_rate_) * x.leftCols(2 * k + l);
-    lu_D_dd_.solve({work_.data(), static_cast<std::size_t>(work_.size())}, work_.cols());
-    for (Index i = 0; i < m; ++i) v.row(d(i)).head(2 * k + l) = work_.row(i);
-    for (Index i = 0; i < l; ++i) v.row(ad(i)).head(2 * k + l) = work_.row(m + i);
-  }
-  for (Index i = 0; i < nz + nu; ++i) motion_(2 * n + i, 2 * k + l + i) = 1.0;
-
-  // Steps 1, 3 and 7, Eqs. (32), (37), (53)-(61).
-  respond();
-  const auto rows = static_cast<Index>(partition_.rows.size());
-  model.A.resize(states, states);
-  model.B.resize(states, nu);
-  const auto take = [&](Index row, const auto& from) {
-    model.A.row(row) = from.head(states);
-    model.B.row(row) = from.tail(nu);
-  };
-  for (Index i = 0; i < k; ++i) take(i, v.row(ai(i)));
-  for (Index i = 0; i < k; ++i) take(k + i, response_.row(ai(i)));
-  for (Index i = 0; i < l; ++i) take(2 * k + i, v.row(ad(i)));
-  for (Index i = 0; i < nz; ++i) take(2 * k + l + i, response_.row(n + rows + i));
+  reduced_ = true;
   model.states = reduced_states_;
-  model.rounding.resize(0);
-  measure(model, states);
+  fill_model(reduced_rows_, model);  // Steps 1, 3 and 7, Eqs. (32), (37), (53)-(61)
   model.kinks = kinks_at(state);
+}
+
+void Linearizer::fill_columns() {
+  if (motion_.cols() > 0) return;
+  const Index all = columns();
+  motion_.resize(2 * system_.n() + system_.nz() + system_.nu(), all);
+  response_.resize(kkt_.size(), all);
+  for (Index first = 0; first < all; first += block) {
+    const Index count = std::min(block, all - first);
+    move(first);
+    respond();
+    motion_.middleCols(first, count) = moves_.leftCols(count);
+    response_.middleCols(first, count) = follows_.leftCols(count);
+  }
+}
+const MatrixXd& Linearizer::motion() {
+  fill_columns();
+  return motion_;
+}
+const MatrixXd& Linearizer::response() {
+  fill_columns();
+  return response_;
 }
 
 /// The terms of which the rows of A are sums, without their signs, go the way of the sums. Of the signs that rounding may
 /// have, a few stand for all.
-void Linearizer::estimate_rounding(LinearModel& model) const {
+void Linearizer::estimate_rounding(LinearModel& model) {
   using Eigen::VectorXd;
   const Index states = model.A.rows();
   const Index n = system_.n(), rows = static_cast<Index>(partition_.rows.size());
@@ -280,7 +324,13 @@ void Linearizer::estimate_rounding(LinearModel& model) const {
   };
   VectorXd nominal(states);
   for (Index j = 0; j < states; ++j) nominal(j) = reduced_states_[static_cast<std::size_t>(j)].nominal;
-  VectorXd moved = (motion_.leftCols(states).cwiseAbs() * nominal.asDiagonal()).rowwise().maxCoeff();
+  VectorXd moved = VectorXd::Zero(2 * n + system_.nz() + system_.nu());
+  for (Index first = 0; first < states; first += block) {
+    const Index count = std::min(block, states - first);
+    move(first);
+    moved = moved.cwiseMax(
+        (moves_.leftCols(count).cwiseAbs() * nominal.segment(first, count).asDiagonal()).rowwise().maxCoeff());
+  }
   // Dependent coordinates and rates, as large as the terms that they are solved from would let them be.
   const auto raise = [&](const std::vector<Index>& coordinates, Index offset, const auto& sizes) {
     for (std::size_t i = 0; i < coordinates.size(); ++i)
@@ -302,69 +352,77 @@ void Linearizer::estimate_rounding(LinearModel& model) const {
 
 void Linearizer::linearize_augmented(const State& state, LinearModel& model) {
   evaluate(state);
-  const Index n = system_.n(), nz = system_.nz(), nu = system_.nu(), states = 2 * n + nz;
-  motion_.setIdentity(states + nu, states + nu);
-  respond();
-  model.A.resize(states, states);
-  model.B.resize(states, nu);
-  model.A.topRows(n) = motion_.middleRows(n, n).leftCols(states);
-  model.B.topRows(n).setZero();
-  model.A.middleRows(n, n) = response_.topRows(n).leftCols(states);
-  model.B.middleRows(n, n) = response_.topRows(n).rightCols(nu);
-  model.A.bottomRows(nz) = response_.bottomRows(nz).leftCols(states);
-  model.B.bottomRows(nz) = response_.bottomRows(nz).rightCols(nu);
+  reduced_ = false;
   model.states = augmented_states_;
-  model.rounding.resize(0);
-  measure(model, states);
+  fill_model(augmented_rows_, model);
   model.kinks = kinks_at(state);
 }
 
-/// C and D: outputs of the motion and of what follows from it.
-void Linearizer::measure(LinearModel& model, Eigen::Index states) const {
-  const Index n = system_.n(), nz = system_.nz(), nu = system_.nu(), rows = static_cast<Index>(partition_.rows.size());
-  MatrixXd all(static_cast<Index>(outputs_.size()), motion_.cols());
-  MatrixXd of_components;
-  const bool any =
-      std::any_of(outputs_.begin(), outputs_.end(), [](const Measured& y) { return y.kind == Measured::Kind::y; });
-  if (any) {
-    SparsePlan by_motion = y_motion_, by_response = y_response_;
-    fill(by_motion, blocks_);
-    fill(by_response, blocks_);
-    of_components = matrix(by_motion) * motion_;
-    of_components += matrix(by_response) * response_;
-  }
-  for (std::size_t k = 0; k < outputs_.size(); ++k) {
-    const Measured& y = outputs_[k];
-    auto row = all.row(static_cast<Index>(k));
-    switch (y.kind) {
-      case Measured::Kind::x: row = motion_.row(y.index); break;
-      case Measured::Kind::v: row = motion_.row(n + y.index); break;
-      case Measured::Kind::a: row = response_.row(y.index); break;
-      case Measured::Kind::z: row = motion_.row(2 * n + y.index); break;
-      case Measured::Kind::zdot: row = response_.row(n + rows + y.index); break;
-      case Measured::Kind::input: row = motion_.row(2 * n + nz + y.index); break;
-      case Measured::Kind::y: row = of_components.row(y.index); break;
-      case Measured::Kind::lambda: {
-        const auto undetermined = [&](const RedundantRow& redundant) {
-          const auto& others = redundant.follows_from;
-          return redundant.row == y.index ||
-                 std::any_of(others.begin(), others.end(), [&](const auto& other) { return other.first == y.index; });
-        };
-        if (std::any_of(partition_.redundant.begin(), partition_.redundant.end(), undetermined)) {
-          throw AnalysisError(
-              "linearize", "the multiplier " + y.name + " belongs to a redundant set and is not determined",
-              "outputs that the model determines", "take it out of the scene's outputs, or remove the redundant joint");
-        }
-        const auto at = std::find(partition_.rows.begin(), partition_.rows.end(), y.index);
-        row = response_.row(n + (at - partition_.rows.begin()));
-        break;
-      }
-    }
-  }
-  model.C = all.leftCols(states);
-  model.D = all.rightCols(nu);
+/// A, B, C and D, some columns at a time: what a block of columns moves and what follows is read while it is in the cache.
+void Linearizer::fill_model(const std::vector<Row>& states, LinearModel& model) {
+  motion_.resize(0, 0);
+  response_.resize(0, 0);
+  const auto count = static_cast<Index>(states.size()), measured = static_cast<Index>(outputs_.size());
+  model.A.resize(count, count);
+  model.B.resize(count, system_.nu());
+  model.C.resize(measured, count);
+  model.D.resize(measured, system_.nu());
   model.inputs = input_names_;
   model.outputs = output_names_;
+  model.rounding.resize(0);
+  std::vector<Row> outputs;
+  for (const Measured& y : outputs_) outputs.push_back(output_row(y));
+  const bool any_of_components =
+      std::any_of(outputs_.begin(), outputs_.end(), [](const Measured& y) { return y.kind == Measured::Kind::y; });
+  if (any_of_components) {
+    fill(y_motion_, blocks_);
+    fill(y_response_, blocks_);
+  }
+
+  const auto show = [&](const std::vector<Row>& rows, Index first, MatrixXd& by_states, MatrixXd& by_inputs) {
+    for (Index j = first; j < std::min(first + block, columns()); ++j) {
+      auto column = j < count ? by_states.col(j) : by_inputs.col(j - count);
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        column(static_cast<Index>(i)) = (this->*rows[i].of)(rows[i].index, j - first);
+    }
+  };
+  for (Index first = 0; first < columns(); first += block) {
+    move(first);
+    respond();
+    if (any_of_components) {
+      of_components_.noalias() = matrix(y_motion_) * moves_;
+      of_components_.noalias() += matrix(y_response_) * follows_;
+    }
+    show(states, first, model.A, model.B);
+    show(outputs, first, model.C, model.D);
+  }
+}
+
+/// Where an output is read from.
+Linearizer::Row Linearizer::output_row(const Measured& y) const {
+  const Index n = system_.n(), nz = system_.nz(), rows = static_cast<Index>(partition_.rows.size());
+  switch (y.kind) {
+    case Measured::Kind::x: return {&Linearizer::moves_, y.index};
+    case Measured::Kind::v: return {&Linearizer::moves_, n + y.index};
+    case Measured::Kind::a: return {&Linearizer::follows_, y.index};
+    case Measured::Kind::z: return {&Linearizer::moves_, 2 * n + y.index};
+    case Measured::Kind::zdot: return {&Linearizer::follows_, n + rows + y.index};
+    case Measured::Kind::input: return {&Linearizer::moves_, 2 * n + nz + y.index};
+    case Measured::Kind::y: return {&Linearizer::of_components_, y.index};
+    case Measured::Kind::lambda: break;
+  }
+  const auto undetermined = [&](const RedundantRow& redundant) {
+    const auto& others = redundant.follows_from;
+    return redundant.row == y.index ||
+           std::any_of(others.begin(), others.end(), [&](const auto& other) { return other.first == y.index; });
+  };
+  if (std::any_of(partition_.redundant.begin(), partition_.redundant.end(), undetermined)) {
+    throw AnalysisError("linearize", "the multiplier " + y.name + " belongs to a redundant set and is not determined",
+                        "outputs that the model determines",
+                        "take it out of the scene's outputs, or remove the redundant joint");
+  }
+  const auto at = std::find(partition_.rows.begin(), partition_.rows.end(), y.index);
+  return {&Linearizer::follows_, n + (at - partition_.rows.begin())};
 }
 
 std::vector<KinkTaken> Linearizer::kinks_at(const State& state) {
@@ -446,6 +504,7 @@ void Linearizer::complete(const State& state, Direction& along) {
 
 /// Every step of `linearize`, differentiated by the product rule; what x_ai, v_ai, x_ad, z and u move stays 1.
 MatrixXd Linearizer::derivative(const State& state, const Direction& along) {
+  fill_columns();
   evaluate_along(state, along, model_blocks());
   const auto moved = [&](const SparsePlan& of) {
     SparsePlan plan = of;
@@ -489,9 +548,9 @@ MatrixXd Linearizer::derivative(const State& state, const Direction& along) {
   return dA;
 }
 
-MatrixXd Linearizer::transformation() const {
+MatrixXd Linearizer::transformation() {
   const Index n = system_.n(), k = static_cast<Index>(partition_.ai.size());
-  return motion_.middleRows(n, n).middleCols(k, k);
+  return motion().middleRows(n, n).middleCols(k, k);
 }
 
 MatrixXd augmented_by_differences(const System& system, const Partition& partition, const State& reference, double h) {

@@ -54,7 +54,7 @@ class Linearizer {
   /// `state` must satisfy Eqs. (16)-(20); AnalysisError names the worst row where it does not.
   void linearize(const State& state, LinearModel& model);
   /// Fills model.rounding, after linearize: what find_spectrum needs to tell a zero from what cancelled to one.
-  void estimate_rounding(LinearModel& model) const;
+  void estimate_rounding(LinearModel& model);
   /// The same for the unreduced Eq. (98), X = (x, v, z), exactly: the Jacobian J of Eq. (99).
   void linearize_augmented(const State& state, LinearModel& model);
 
@@ -66,21 +66,36 @@ class Linearizer {
   [[nodiscard]] Eigen::MatrixXd derivative(const State& state, const Direction& along);
 
   [[nodiscard]] const Partition& partition() const { return partition_; }
-  /// How x, v, z, u, (2n + nz + nu), move with each state and input (columns), of the last call.
-  [[nodiscard]] const Eigen::MatrixXd& motion() const { return motion_; }
+  /// How x, v, z, u, (2n + nz + nu), move with each state and input (columns), of the last call. Models do without this
+  /// matrix and the next: they are made when first asked for.
+  [[nodiscard]] const Eigen::MatrixXd& motion();
   /// The accelerations, multipliers of independent rows and rates, (n + rows + nz), that follow; columns as of motion.
-  [[nodiscard]] const Eigen::MatrixXd& response() const { return response_; }
+  [[nodiscard]] const Eigen::MatrixXd& response();
   /// Of the last call of linearize.
   [[nodiscard]] Conditions conditions() const;
   /// T of Eq. (31), (n x independent), of the last call of linearize.
-  [[nodiscard]] Eigen::MatrixXd transformation() const;
+  [[nodiscard]] Eigen::MatrixXd transformation();
 
  private:
+  /// Some columns of motion or response, side by side: few enough to stay in the cache from step to step.
+  static constexpr Index block = sparse::Klu::block;
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, block, Eigen::RowMajor>;
+  /// A row of the model.
+  struct Row {
+    Columns Linearizer::*of = nullptr;
+    Index index = 0;
+  };
+
   void evaluate(const State& state);
   void evaluate_along(const State& state, const Direction& along, const Request& request);
   void check_consistent() const;
+  void move(Index first);
+  void move_coordinates(Index first);
   void respond();
-  void measure(LinearModel& model, Eigen::Index states) const;
+  void fill_model(const std::vector<Row>& states, LinearModel& model);
+  void fill_columns();
+  [[nodiscard]] Index columns() const;
+  [[nodiscard]] Row output_row(const Measured& y) const;
   [[nodiscard]] std::vector<KinkTaken> kinks_at(const State& state);
 
   const System& system_;
@@ -97,8 +112,12 @@ class Linearizer {
   SparsePlan C_xd_, D_dd_;
   sparse::Klu lu_C_xd_, lu_D_dd_;
   SparsePlan y_motion_, y_response_;  // outputs by (x, v, z, u) and by (a, lambda, zdot)
-  Eigen::MatrixXd motion_;            // (2n + nz + nu) x columns: x, v, z, u that each column moves
-  Eigen::MatrixXd response_;          // (n + m + l + nz) x columns: a, lambda, zdot that follow
+  std::vector<Row> reduced_rows_, augmented_rows_;
+  bool reduced_ = true;      // whether the columns of the last call are the reduced states and the inputs
+  Columns moves_, follows_;  // of one block: x, v, z, u that a column moves; a, lambda, zdot that follow
+  Columns dependent_, of_components_;
+  Eigen::MatrixXd motion_;    // (2n + nz + nu) x columns, or empty until asked for
+  Eigen::MatrixXd response_;  // (n + m + l + nz) x columns, likewise
   Eigen::MatrixXd work_;
   Switches switches_;
 };

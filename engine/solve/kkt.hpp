@@ -29,6 +29,8 @@ class Kkt {
   void factor(const Blocks& blocks);
   /// Solves for `count` right-hand sides in place, (n + rows + nz) each, column-major.
   void solve(std::span<double> rhs, Index count = 1) const;
+  /// The same for sparse::Klu::block right-hand sides, row-major; without softness.
+  void solve_block(std::span<double> rhs) const { lu_.solve_block(rhs); }
 
   /// Sets a, lambda and zdot of `state` from its t, x, v, z and inputs.
   void complete(State& state, Blocks& blocks);

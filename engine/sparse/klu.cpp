@@ -2,6 +2,7 @@
 
 #include <klu.h>
 
+#include <Eigen/Core>
 #include <cmath>
 #include <new>
 
@@ -69,6 +70,47 @@ double parity(const SuiteSparse_long* permutation, std::int64_t size) {
   return sign;
 }
 
+/// L U = P R^-1 A Q, of one block: columns of L begin with the diagonal, those of U end with it. `R` is in pivotal
+/// order. Pivots divide, as in KLU: products with reciprocals would not leave exact ones and zeros exact.
+struct Factors {
+  std::vector<SuiteSparse_long> L_start, L_row, U_start, U_row, P, Q;
+  std::vector<double> L, U, R;
+  std::vector<double> x;  // (n x width) row-major, in pivotal order
+
+  void take(const klu_l_symbolic* symbolic, const klu_l_numeric* numeric, klu_l_common* common) {
+    const auto n = static_cast<std::size_t>(numeric->n), l = static_cast<std::size_t>(numeric->lnz),
+               u = static_cast<std::size_t>(numeric->unz);
+    for (auto* list : {&L_start, &U_start}) list->resize(n + 1);
+    for (auto* list : {&P, &Q}) list->resize(n);
+    L_row.resize(l), L.resize(l);
+    U_row.resize(u), U.resize(u);
+    R.resize(n);
+    klu_l_extract(writable(numeric), writable(symbolic), L_start.data(), L_row.data(), L.data(), U_start.data(),
+                  U_row.data(), U.data(), nullptr, nullptr, nullptr, P.data(), Q.data(), R.data(), nullptr, common);
+  }
+
+  template <int width>
+  void solve(double* b) {
+    using Row = Eigen::Array<double, width, 1>;
+    const auto row = [](double* rows, std::int64_t i) { return Eigen::Map<Row>(rows + i * width); };
+    const auto n = static_cast<std::int64_t>(P.size());
+    x.resize(P.size() * width);
+    const SuiteSparse_long *l = L_start.data(), *u = U_start.data();
+    for (std::int64_t k = 0; k < n; ++k) row(x.data(), k) = row(b, P.data()[k]) / R.data()[k];
+    for (std::int64_t k = 0; k < n; ++k) {
+      const Row x_k = row(x.data(), k);
+      if ((x_k == 0.0).all()) continue;  // most rows, at first, of what one coordinate moves
+      for (auto e = l[k] + 1; e < l[k + 1]; ++e) row(x.data(), L_row.data()[e]) -= L.data()[e] * x_k;
+    }
+    for (std::int64_t k = n; k-- > 0;) {
+      const auto diagonal = u[k + 1] - 1;
+      const Row x_k = row(x.data(), k) / U.data()[diagonal];
+      for (auto e = u[k]; e < diagonal; ++e) row(x.data(), U_row.data()[e]) -= U.data()[e] * x_k;
+      row(b, Q.data()[k]) = x_k;
+    }
+  }
+};
+
 }  // namespace
 
 template <class Scalar>
@@ -78,6 +120,8 @@ struct BasicKlu<Scalar>::Data {
   klu_l_numeric* numeric = nullptr;
   std::int64_t size = 0;
   bool fresh = false;
+  Factors factors;
+  bool taken = false;  // whether `factors` are those of the last factorization
 
   Data() {
     klu_l_defaults(&common);
@@ -122,6 +166,7 @@ bool BasicKlu<Scalar>::factor(const View& matrix) {
   Data& d = *data_;
   if (d.size == 0) return true;
   if (d.symbolic == nullptr) return false;
+  d.taken = false;
   if (d.numeric != nullptr) {
     const bool done = Call::refactor(indices(matrix.start), indices(matrix.row), doubles(matrix.value), d.symbolic,
                                      d.numeric, &d.common) != 0;
@@ -156,6 +201,15 @@ template <class Scalar>
 void BasicKlu<Scalar>::solve(std::span<Scalar> rhs, std::int64_t count) const {
   if (data_->size == 0 || count == 0) return;
   Calls<Scalar>::solve(data_->symbolic, data_->numeric, data_->size, count, doubles(rhs.data()), &data_->common);
+}
+
+template <class Scalar>
+void BasicKlu<Scalar>::solve_block(std::span<Scalar> rhs) const requires std::same_as<Scalar, double> {
+  Data& d = *data_;
+  if (d.size == 0) return;
+  if (!d.taken) d.factors.take(d.symbolic, d.numeric, &d.common);
+  d.taken = true;
+  d.factors.template solve<block>(rhs.data());
 }
 
 template <class Scalar>

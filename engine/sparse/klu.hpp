@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <concepts>
 #include <memory>
 #include <span>
 #include <vector>
@@ -31,6 +32,10 @@ class BasicKlu {
   [[nodiscard]] std::int64_t singular_column() const;
   /// Solves A X = B in place, B (n x count) column-major; at least `n` rows apart.
   void solve(std::span<Scalar> rhs, std::int64_t count = 1) const;
+  /// Right-hand sides of solve_block.
+  static constexpr int block = 8;
+  /// Solves A X = B in place, B (n x block) row-major: right-hand sides side by side use one pass over the factors.
+  void solve_block(std::span<Scalar> rhs) const requires std::same_as<Scalar, double>;
   /// Solves A^T X = B in place.
   void solve_transposed(std::span<Scalar> rhs, std::int64_t count = 1) const;
   /// Estimate of the 1-norm condition number of the last factored matrix.

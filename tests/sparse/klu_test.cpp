@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <Eigen/SparseCore>
+#include <cmath>
 
 namespace bramah::testing {
 namespace {
@@ -37,6 +38,23 @@ TEST(Klu, SolvesManyRightHandSidesAndTheTranspose) {
   Eigen::MatrixXd c = A.transpose() * exact;
   lu.solve_transposed({c.data(), static_cast<std::size_t>(c.size())}, 7);
   EXPECT_LT((c - exact).norm(), 1e-13 * exact.norm());
+}
+
+TEST(Klu, SolvesBlocksOfRightHandSidesWithTheLatestFactors) {
+  using Block = Eigen::Matrix<double, Eigen::Dynamic, sparse::Klu::block, Eigen::RowMajor>;
+  sparse::Klu lu;
+  lu.analyze(view(tridiagonal(30, 5.0)));
+  for (const double diagonal : {5.0, 4.0, 0.0}) {  // fresh pivots, old pivots, fresh ones off the diagonal
+    Eigen::VectorXd scales(30);                    // which KLU takes from the rows
+    for (int i = 0; i < 30; ++i) scales(i) = std::pow(10.0, i % 7);
+    const Sparse A = scales.asDiagonal() * tridiagonal(30, diagonal);
+    ASSERT_TRUE(lu.factor(view(A)));
+    const Block exact = Block::Random(30, sparse::Klu::block);
+    Block b = A * exact;
+    lu.solve_block({b.data(), static_cast<std::size_t>(b.size())});
+    // Without its diagonal the matrix has a condition of 2^15.
+    EXPECT_LT((b - exact).norm(), 1e-11 * exact.norm()) << "diagonal " << diagonal;
+  }
 }
 
 TEST(Klu, RefactorsAndRepivotsWhereOldPivotsFail) {
