@@ -12,6 +12,7 @@
 #include "app/parallel.hpp"
 #include "app/progress.hpp"
 #include "app/results.hpp"
+#include "app/varied_scene.hpp"
 #include "system/message.hpp"
 
 namespace bramah {
@@ -26,8 +27,7 @@ class SweptScene {
  public:
   SweptScene(const Context& context, Sweep& sweep)
       : sweep_(sweep),
-        scene_{context.scene.root, {context.scene.source.name, ""}},
-        registry_(std::make_shared<Registry>()),
+        varied_(context, names_of(sweep)),
         threads_(context.arguments.threads),
         progress_("sweep", !context.arguments.quiet) {
     asked_ = 1;
@@ -41,7 +41,7 @@ class SweptScene {
   };
   /// Throws AnalysisError or SceneError where there is no answer.
   Spot look(const std::vector<double>& at) {
-    const Compilation compilation(*this, at);
+    const VariedScene::Compilation compilation(varied_, at);
     const Linearization linear = linearize_at(compilation.get(), at);
     Spot spot{linear.model, find_spectrum(linear.model), {}};
     spot.modes = mode_set(spot.spectrum, linear.partition, linear.motion);
@@ -56,7 +56,7 @@ class SweptScene {
       if (InterruptGuard::interrupted()) {
         messages[k] = "interrupted";
       } else {
-        messages[k] = attempt([&] { sets[k] = look(list[k]).modes; });
+        messages[k] = reason_against([&] { sets[k] = look(list[k]).modes; });
       }
       const std::scoped_lock lock(mutex_);
       ++done_;
@@ -73,55 +73,24 @@ class SweptScene {
     return sets;
   }
 
-  /// "" or why `work` has no answer.
-  template <class Work>
-  static std::string attempt(Work&& work) {
-    try {
-      work();
-      return "";
-    } catch (const SceneError& error) {
-      const Diagnostic& d = error.diagnostics().front();
-      return d.pointer + ": " + d.found + "; expected " + d.expected + "; " + d.remedy;
-    } catch (const std::exception& error) {
-      return error.what();
-    }
-  }
-
   [[nodiscard]] int threads() const { return threads_; }
   /// The partition of the point where it was chosen holds everywhere, unless it cannot.
   void prescribe(Prescribed prescribed) { prescribed_ = std::move(prescribed); }
   /// Points where it could not, in order.
   [[nodiscard]] std::vector<std::vector<double>> chosen_again() const { return chosen_again_; }
   Prescribed partition_at(const std::vector<double>& at) {
-    const Compilation compilation(*this, at);
+    const VariedScene::Compilation compilation(varied_, at);
     const Partition found = linearize(compilation.get(), compilation.get().options.linearize.prescribed).partition;
     return {found.ai, found.ad};
   }
   void clear_progress() { progress_.clear(); }
 
  private:
-  /// Libraries may be asked from any thread to evaluate only: making and unmaking instances takes turns.
-  class Compilation {
-   public:
-    Compilation(SweptScene& owner, const std::vector<double>& at) : owner_(owner) {
-      Scene scene = owner.scene_;
-      for (std::size_t k = 0; k < at.size(); ++k)
-        apply_setting(scene, owner.sweep_.over[k].name + "=" + exact_number(at[k]));
-      const std::scoped_lock lock(owner.mutex_);
-      compiled_.emplace(compile(scene, owner.registry_));
-    }
-    Compilation(const Compilation&) = delete;
-    Compilation& operator=(const Compilation&) = delete;
-    ~Compilation() {
-      const std::scoped_lock lock(owner_.mutex_);
-      compiled_.reset();
-    }
-    [[nodiscard]] const Compiled& get() const { return *compiled_; }
-
-   private:
-    SweptScene& owner_;
-    std::optional<Compiled> compiled_;
-  };
+  static std::vector<std::string> names_of(const Sweep& sweep) {
+    std::vector<std::string> names;
+    for (const SweptParameter& over : sweep.over) names.push_back(over.name);
+    return names;
+  }
 
   Linearization linearize_at(const Compiled& compiled, const std::vector<double>& at) {
     std::optional<Linearization> kept;
@@ -139,8 +108,7 @@ class SweptScene {
   }
 
   Sweep& sweep_;
-  Scene scene_;
-  std::shared_ptr<Registry> registry_;
+  VariedScene varied_;
   int threads_;
   std::mutex mutex_;
   Progress progress_;
@@ -289,7 +257,7 @@ Found solve(SweptScene& scene, const Sweep& sweep, const Task& task) {
   const auto track = static_cast<std::size_t>(task.track),
              partner = static_cast<std::size_t>(std::max(task.partner, 0));
   Found found;
-  found.failure = SweptScene::attempt([&] {
+  found.failure = reason_against([&] {
     const SweptScene::Spot base = scene.look(sweep.at(task.line, a.at));
     // Where the modes of the first end are at another point.
     const auto values = [&](const ModeSet& set) {
@@ -407,7 +375,7 @@ void note_doubts(Sweep& sweep, const std::vector<std::pair<double, double>>& dou
 void prescribe_partition(const Context& context, SweptScene& scene, const Sweep& sweep) {
   const std::vector<double>& along = sweep.over[0].values;
   for (const double value : along) {
-    const std::string failure = SweptScene::attempt([&] { scene.prescribe(scene.partition_at(sweep.at(0, value))); });
+    const std::string failure = reason_against([&] { scene.prescribe(scene.partition_at(sweep.at(0, value))); });
     if (failure.empty() || InterruptGuard::interrupted()) return;
   }
   if (sweep.over.size() > 1) return;

@@ -17,7 +17,7 @@ struct Verb {
 };
 
 extern const Verb verb_check, verb_list, verb_describe, verb_equilibrium, verb_simulate, verb_linearize, verb_modes,
-    verb_respond, verb_sensitivity, verb_sweep, verb_critical, verb_compare, verb_study;
+    verb_respond, verb_sensitivity, verb_sweep, verb_critical, verb_vary, verb_compare, verb_study;
 
 /// In the order in which a newcomer needs them.
 std::span<const Verb* const> all_verbs();

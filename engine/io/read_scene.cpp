@@ -53,6 +53,7 @@ constexpr auto kTopLevel = std::to_array<TopLevel>({
     {"study", Shape::object},
     {"compare", Shape::object},
     {"sweep", Shape::object},
+    {"vary", Shape::object},
 });
 
 void check_texts(const std::string& place, const std::string& key, const Value& value, Faults& faults) {

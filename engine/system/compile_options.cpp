@@ -151,6 +151,9 @@ class OptionReader {
   /// The section "sweep", or its member "second".
   void swept(const Value& root, const Value& section, const std::string& place, std::vector<SweptParameter>& over);
 
+  /// The section "vary".
+  void vary(const Value& root, const std::vector<Measured>& outputs, VaryOptions& vary);
+
   /// Names of x or z variables.
   void variables(const Value& list, const std::string& where, std::vector<Index>& x, std::vector<Index>* z) {
     if (list.list() == nullptr) {
@@ -197,18 +200,25 @@ class OptionReader {
 
   void outputs(const Value& root, std::vector<Measured>& result) {
     const Value* list = root.find("outputs");
-    if (list == nullptr || list->list() == nullptr) {
-      const auto all = [&](Measured::Kind kind, const auto& named) {
-        for (const auto& one : named) result.push_back({kind, &one - named.data(), one.name, one.unit});
-      };
-      all(Measured::Kind::x, system_.x);
-      all(Measured::Kind::z, system_.z);
-      all(Measured::Kind::y, system_.outputs);
+    if (list != nullptr && list->list() != nullptr) return measurements(*list, "/outputs", result);
+    const auto all = [&](Measured::Kind kind, const auto& named) {
+      for (const auto& one : named) result.push_back({kind, &one - named.data(), one.name, one.unit});
+    };
+    all(Measured::Kind::x, system_.x);
+    all(Measured::Kind::z, system_.z);
+    all(Measured::Kind::y, system_.outputs);
+  }
+
+  /// Names of variables, multipliers and outputs.
+  void measurements(const Value& list, const std::string& place, std::vector<Measured>& result) {
+    if (list.list() == nullptr) {
+      faults_.add("wrong-kind", place, named(place) + " is " + description(list), "a list of names",
+                  list.text() == nullptr ? "write [\"component.variable\"]" : "put it in brackets: [ ... ]");
       return;
     }
     std::size_t k = 0;
-    for (const Value& item : *list->list()) {
-      const std::string where = pointer("/outputs", k++);
+    for (const Value& item : *list.list()) {
+      const std::string where = pointer(place, k++);
       if (item.text() == nullptr) {
         faults_.add("wrong-kind", where, named(where) + " is " + description(item),
                     "the name of a variable or an output", "put it in double quotes");
@@ -231,19 +241,34 @@ class OptionReader {
   bool event_condition(const Value& object, const std::string& place, EventOptions& event);
   bool event_consequence(const Value& object, const std::string& place, EventOptions& event);
   [[nodiscard]] std::optional<std::string> unit_of_swept(const Value& root, const std::string& name,
-                                                         const std::string& where);
+                                                         const std::string& where, bool at_key);
   [[nodiscard]] std::optional<std::string> unit_of_parameter(const Value& root, const Component& component,
-                                                             const std::string& key, const std::string& where);
+                                                             const std::string& key, const std::string& where,
+                                                             bool at_key);
+  [[nodiscard]] std::optional<double> whole(const Value& value, const std::string& where, double least, double most);
+  [[nodiscard]] std::optional<std::vector<double>> range(const Value& section, const std::string& place,
+                                                         const std::string& unit, double count);
+  using TakeParameter =
+      std::function<void(std::string name, std::string unit, const Value& value, const std::string& where)>;
+  void parameters(const Value& root, const Value& list, const std::string& place, const TakeParameter& take);
+  [[nodiscard]] std::optional<std::vector<double>> grid_values(const Value& value, const std::string& where,
+                                                               const std::string& unit);
+  [[nodiscard]] std::optional<Distribution> distribution(const Value& value, const std::string& where,
+                                                         const std::string& unit);
+  void figures(const Value& list, const std::string& place, std::vector<VaryOptions::Figure>& figures);
+  void check_vary(const Value& section, const VaryOptions& vary);
   const System& system_;
   Numbers& numbers_;
   Faults& faults_;
 };
 
 constexpr int least_count = 2, most_count = 100000;
+constexpr double default_count = 51.0;
 
 /// The unit of a component's parameter; a fault where it has none of this name, or one that is no number.
 std::optional<std::string> OptionReader::unit_of_parameter(const Value& root, const Component& component,
-                                                           const std::string& key, const std::string& where) {
+                                                           const std::string& key, const std::string& where,
+                                                           bool at_key) {
   std::vector<std::string> known;
   const bramah_type& type = *component.type;
   for (std::int32_t i = 0; i < type.parameter_count; ++i) {
@@ -254,7 +279,7 @@ std::optional<std::string> OptionReader::unit_of_parameter(const Value& root, co
     if (!is_number) {
       faults_.add("wrong-kind", where, "\"" + key + "\" of " + component.name + " is not a single number",
                   "a parameter that is one number",
-                  "write \"=NAME\" where a number of it stands, and sweep constants.NAME");
+                  "write \"=NAME\" where a number of it stands, and name constants.NAME here", at_key);
       return std::nullopt;
     }
     const std::string unit = info.unit;
@@ -265,13 +290,13 @@ std::optional<std::string> OptionReader::unit_of_parameter(const Value& root, co
   const std::string name = component.name + "." + key;
   faults_.add("unknown-parameter", where, std::string(type.name) + " has no parameter \"" + key + "\"",
               known.empty() ? "a parameter; it has none that is a number" : "one of: " + quoted_list(known),
-              suggestion(name, known, "`bramah describe " + std::string(type.name) + "` explains them"));
+              suggestion(name, known, "`bramah describe " + std::string(type.name) + "` explains them"), at_key);
   return std::nullopt;
 }
 
-/// The unit of what "parameter" names; a fault where there is no such number.
+/// The unit of the number called `name`; a fault where there is none.
 std::optional<std::string> OptionReader::unit_of_swept(const Value& root, const std::string& name,
-                                                       const std::string& where) {
+                                                       const std::string& where, bool at_key) {
   const std::size_t dot = name.find('.');
   const std::string word = name.substr(0, dot), key = dot == std::string::npos ? "" : name.substr(dot + 1);
   if (word == "constants" || word == "start") {
@@ -298,21 +323,21 @@ std::optional<std::string> OptionReader::unit_of_swept(const Value& root, const 
     if (!faults_.is_unread(key)) {
       faults_.add("unknown-parameter", where, "the scene has no \"" + name + "\"",
                   known.empty() ? "a name; the section is empty" : "one of: " + quoted_list(known),
-                  suggestion(name, known, "`bramah check SCENE` lists all variables"));
+                  suggestion(name, known, "`bramah check SCENE` lists all variables"), at_key);
     }
     return std::nullopt;
   }
   if (faults_.is_unread(name)) return std::nullopt;
   std::vector<std::string> names = {"constants", "start"};
   for (const Component& component : system_.components) {
-    if (component.name == word) return unit_of_parameter(root, component, key, where);
+    if (component.name == word) return unit_of_parameter(root, component, key, where, at_key);
     names.push_back(component.name);
   }
   const Value* components = root.find("components");
   if (components != nullptr && components->find(word) != nullptr) return std::nullopt;  // with faults of its own
   faults_.add("unknown-parameter", where, "the scene has no \"" + name + "\"",
               "COMPONENT.PARAMETER, constants.NAME or start.VARIABLE",
-              suggestion(word, names, "name one of these before the first dot"));
+              suggestion(word, names, "name one of these before the first dot"), at_key);
   return std::nullopt;
 }
 
@@ -406,6 +431,35 @@ bool OptionReader::event_consequence(const Value& object, const std::string& pla
   return sound;
 }
 
+std::optional<double> OptionReader::whole(const Value& value, const std::string& where, double least, double most) {
+  const auto read = numbers_.read(value, where, "1");
+  if (!read || (*read >= least && *read <= most && *read == std::floor(*read))) return read;
+  faults_.add("out-of-range", where, named(where) + " is " + description(value),
+              "a whole number from " + number_text(least) + " to " + number_text(most), "correct the number");
+  return std::nullopt;
+}
+
+/// From "from" to "to" of the section, which has both, in even steps; nothing after a fault.
+std::optional<std::vector<double>> OptionReader::range(const Value& section, const std::string& place,
+                                                       const std::string& unit, double count) {
+  const auto first = numbers_.read(*section.find("from"), pointer(place, "from"), unit);
+  const auto last = numbers_.read(*section.find("to"), pointer(place, "to"), unit);
+  if (const Value* own = section.find("count")) {
+    const auto read = whole(*own, pointer(place, "count"), least_count, most_count);
+    if (!read) return std::nullopt;
+    count = *read;
+  }
+  if (!first || !last) return std::nullopt;
+  // Both ends exactly; the others as near to even as rounding allows.
+  std::vector<double> values;
+  const int last_step = static_cast<int>(count) - 1;
+  for (int k = 0; k <= last_step; ++k) {
+    const double share = static_cast<double>(k) / last_step;
+    values.push_back(k == last_step ? *last : (1.0 - share) * *first + share * *last);
+  }
+  return values;
+}
+
 void OptionReader::swept(const Value& root, const Value& section, const std::string& place,
                          std::vector<SweptParameter>& over) {
   const bool is_first = place == "/sweep";
@@ -422,7 +476,7 @@ void OptionReader::swept(const Value& root, const Value& section, const std::str
     return;
   }
   SweptParameter swept{*name->text(), "1", {}};
-  const auto unit = unit_of_swept(root, swept.name, pointer(place, "parameter"));
+  const auto unit = unit_of_swept(root, swept.name, pointer(place, "parameter"), false);
   const Value *from = section.find("from"), *to = section.find("to"), *count = section.find("count"),
               *values = section.find("values");
   if ((values != nullptr) == (from != nullptr || to != nullptr || count != nullptr) ||
@@ -439,28 +493,9 @@ void OptionReader::swept(const Value& root, const Value& section, const std::str
     numbers(*values, pointer(place, "values"), swept.unit, swept.values);
     if (values->list() == nullptr || swept.values.size() != values->list()->size()) return;  // told already
   } else {
-    const auto first = numbers_.read(*from, pointer(place, "from"), swept.unit);
-    const auto last = numbers_.read(*to, pointer(place, "to"), swept.unit);
-    double steps = 51.0;
-    if (count != nullptr) {
-      const std::string where = pointer(place, "count");
-      const auto read = numbers_.read(*count, where, "1");
-      if (!read) return;
-      steps = *read;
-      if (steps < least_count || steps > most_count || steps != std::floor(steps)) {
-        faults_.add("out-of-range", where, "\"count\" is " + description(*count),
-                    "a whole number from " + std::to_string(least_count) + " to " + std::to_string(most_count),
-                    "correct the number");
-        return;
-      }
-    }
-    if (!first || !last) return;
-    // Both ends exactly; the others as near to even as rounding allows.
-    const int last_step = static_cast<int>(steps) - 1;
-    for (int k = 0; k <= last_step; ++k) {
-      const double share = static_cast<double>(k) / last_step;
-      swept.values.push_back(k == last_step ? *last : (1.0 - share) * *first + share * *last);
-    }
+    auto even = range(section, place, swept.unit, default_count);
+    if (!even) return;
+    swept.values = std::move(*even);
   }
   const auto out_of_order = [&](auto&& before) {
     return std::adjacent_find(swept.values.begin(), swept.values.end(),
@@ -479,6 +514,167 @@ void OptionReader::swept(const Value& root, const Value& section, const std::str
     return;
   }
   over.push_back(std::move(swept));
+}
+
+/// {NAME: VALUE, ...}: the numbers that a grid goes through, or that are drawn.
+void OptionReader::parameters(const Value& root, const Value& list, const std::string& place,
+                              const TakeParameter& take) {
+  if (list.object() == nullptr) {
+    faults_.add("wrong-kind", place, named(place) + " is " + description(list), "{\"COMPONENT.PARAMETER\": ..., ...}",
+                "name the numbers that are to change");
+    return;
+  }
+  for (const Member& member : *list.object()) {
+    const std::string where = pointer(place, member.key);
+    auto unit = unit_of_swept(root, member.key, where, true);
+    if (unit) take(member.key, std::move(*unit), member.value, where);
+  }
+}
+
+std::optional<std::vector<double>> OptionReader::grid_values(const Value& value, const std::string& where,
+                                                             const std::string& unit) {
+  if (value.list() != nullptr && !value.list()->empty()) {
+    std::vector<double> values;
+    numbers(value, where, unit, values);
+    if (values.size() != value.list()->size()) return std::nullopt;  // told already
+    return values;
+  }
+  members(value, where, "over", {"from", "to", "count"}, [](const std::string&, const Value&, const std::string&) {});
+  if (value.find("from") == nullptr || value.find("to") == nullptr || value.find("count") == nullptr) {
+    faults_.add("wrong-kind", where,
+                value.object() != nullptr ? "a range that is not complete" : named(where) + " is " + description(value),
+                "[VALUE, ...] or {\"from\": ..., \"to\": ..., \"count\": ...}", "list its values, or give a range");
+    return std::nullopt;
+  }
+  return range(value, where, unit, default_count);
+}
+
+std::optional<Distribution> OptionReader::distribution(const Value& value, const std::string& where,
+                                                       const std::string& unit) {
+  using Kind = Distribution::Kind;
+  static const std::vector<std::pair<std::string, Kind>> kinds = {
+      {"normal", Kind::normal}, {"uniform", Kind::uniform}, {"log_uniform", Kind::log_uniform}};
+  static const std::string expected =
+      "{\"normal\": [MEAN, DEVIATION]}, {\"uniform\": [LOW, HIGH]} or {\"log_uniform\": [LOW, HIGH]}";
+  if (value.object() == nullptr || value.object()->size() != 1) {
+    faults_.add("wrong-kind", where, named(where) + " is " + description(value), expected, "write one of these");
+    return std::nullopt;
+  }
+  const Member& member = value.object()->front();
+  const std::string place = pointer(where, member.key);
+  std::vector<std::string> known;
+  for (const auto& [word, kind] : kinds) {
+    known.push_back(word);
+    if (word != member.key) continue;
+    std::vector<double> two;
+    const std::size_t faults_before = faults_.list.size();
+    numbers(member.value, place, unit, two);
+    if (faults_.list.size() != faults_before) return std::nullopt;
+    const bool ordered = two.size() == 2 && (kind == Kind::normal ? two[1] >= 0.0 : two[0] < two[1]);
+    if (ordered && (kind != Kind::log_uniform || two[0] > 0.0)) return Distribution{kind, two[0], two[1]};
+    faults_.add("out-of-range", place,
+                two.size() == 2
+                    ? named(place) + " is [" + with_unit(two[0], unit) + ", " + with_unit(two[1], unit) + "]"
+                    : named(place) + " is " + description(member.value),
+                kind == Kind::normal    ? "the mean and a standard deviation that is not negative"
+                : kind == Kind::uniform ? "two ends, the lower first"
+                                        : "two ends above 0, the lower first",
+                "correct the numbers, or their units");
+    return std::nullopt;
+  }
+  faults_.add("wrong-choice", place, "no distribution \"" + member.key + "\"", expected,
+              suggestion(member.key, known, "write one of these"), true);
+  return std::nullopt;
+}
+
+void OptionReader::figures(const Value& list, const std::string& place, std::vector<VaryOptions::Figure>& figures) {
+  using Figure = VaryOptions::Figure;
+  if (list.list() == nullptr || list.list()->empty()) {
+    faults_.add("wrong-kind", place, named(place) + " is " + description(list), "a list of figures",
+                "write for instance [\"final\", \"max\"]");
+    return;
+  }
+  figures.clear();
+  std::size_t k = 0;
+  for (const Value& item : *list.list()) {
+    Figure figure = Figure::final_value;
+    word<Figure>(item, pointer(place, k++),
+                 {{"final", Figure::final_value},
+                  {"min", Figure::min},
+                  {"max", Figure::max},
+                  {"mean", Figure::mean},
+                  {"rms", Figure::rms}},
+                 figure);
+    figures.push_back(figure);
+  }
+}
+
+void OptionReader::vary(const Value& root, const std::vector<Measured>& outputs, VaryOptions& vary) {
+  const Value* section = root.find("vary");
+  if (section == nullptr || section->object() == nullptr) return;
+  constexpr double most_draws = 1e6, largest_seed = 1e15;
+  vary.asked = true;
+  members(*section, "/vary", "vary", {"over", "random", "count", "seed", "of", "figures"},
+          [&](const std::string& key, const Value& value, const std::string& where) {
+            if (key == "over") {
+              parameters(root, value, where, [&](auto name, auto unit, const Value& values, const std::string& place) {
+                if (auto read = grid_values(values, place, unit))
+                  vary.over.push_back({std::move(name), std::move(unit), std::move(*read)});
+              });
+            } else if (key == "random") {
+              parameters(root, value, where, [&](auto name, auto unit, const Value& spread, const std::string& place) {
+                if (const auto read = distribution(spread, place, unit))
+                  vary.random.push_back({std::move(name), std::move(unit), *read});
+              });
+            } else if (key == "count") {
+              if (const auto count = whole(value, where, 1.0, most_draws))
+                vary.count = static_cast<std::size_t>(*count);
+            } else if (key == "seed") {
+              if (const auto seed = whole(value, where, 0.0, largest_seed))
+                vary.seed = static_cast<std::uint64_t>(*seed);
+            } else if (key == "of") {
+              measurements(value, where, vary.of);
+            } else {
+              figures(value, where, vary.figures);
+            }
+          });
+  if (section->find("of") == nullptr) vary.of = outputs;
+  check_vary(*section, vary);
+}
+
+/// What no key of "vary" can tell alone.
+void OptionReader::check_vary(const Value& section, const VaryOptions& vary) {
+  constexpr double most_runs = 1e6;
+  const Value *over = section.find("over"), *random = section.find("random");
+  const auto is_empty = [](const Value* list) {
+    return list == nullptr || (list->object() && list->object()->empty());
+  };
+  if (is_empty(over) && is_empty(random)) {
+    faults_.add("wrong-kind", "/vary", "\"vary\" without a number that changes",
+                "\"over\": {NAME: VALUES} for a grid, \"random\": {NAME: DISTRIBUTION} for draws, or both", "add one",
+                true);
+    return;
+  }
+  if (is_empty(random) == (section.find("count") != nullptr)) {
+    faults_.add("conflict", "/vary", is_empty(random) ? "\"count\" without \"random\"" : "\"random\" without \"count\"",
+                "\"count\": how many draws there are, at each point of the grid",
+                is_empty(random) ? "remove it" : "add for instance \"count\": 200", true);
+  }
+  if (is_empty(random) && section.find("seed") != nullptr) {
+    faults_.add("conflict", "/vary/seed", "\"seed\" without \"random\"", "a seed for random numbers only", "remove it",
+                true);
+  }
+  for (const RandomParameter& one : vary.random) {
+    if (over == nullptr || over->find(one.name) == nullptr) continue;
+    faults_.add("repeated", pointer("/vary/random", one.name), "\"" + one.name + "\" in \"over\" and in \"random\"",
+                "each number in one of them", "remove it from the other", true);
+  }
+  double runs = static_cast<double>(vary.count);
+  for (const SweptParameter& one : vary.over) runs *= static_cast<double>(one.values.size());
+  if (runs > most_runs) {
+    faults_.add("out-of-range", "/vary", "\"vary\" asks for " + number_text(runs) + " runs",
+                "at most " + number_text(most_runs), "take fewer values or draws", true);
+  }
 }
 
 void read_modes(const Value& root, OptionReader& reader, Faults& faults, ModesOptions& modes) {
@@ -668,6 +864,7 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
                  "write it as the sweep itself: { \"parameter\": ... }");
     }
   }
+  reader.vary(root, options.outputs, options.vary);
   if (const Value* title = root.find("title"); title != nullptr && title->text() != nullptr)
     options.study.title = *title->text();
   if (const Value* text = root.find("description"); text != nullptr && text->text() != nullptr)

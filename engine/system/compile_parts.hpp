@@ -73,7 +73,7 @@ class Numbers {
   std::set<std::string> used_;
 };
 
-/// The sections hold, outputs, equilibrium, simulate, linearize, compare, study and sweep.
+/// The sections hold, outputs, equilibrium, simulate, linearize, compare, study, sweep and vary.
 void read_options(const Value& root, const System& system, Numbers& numbers, Faults& faults, Options& options);
 
 }  // namespace bramah::compiling

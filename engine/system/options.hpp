@@ -1,10 +1,12 @@
 // What a scene asks of the analyses, with names resolved. Plain data; defaults are those of the documentation.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "system/random.hpp"
 #include "system/system.hpp"
 
 namespace bramah {
@@ -89,11 +91,36 @@ struct CompareOptions {
 /// A number of the scene that takes several values in turn, as `apply_setting` would set it.
 struct SweptParameter {
   std::string name, unit;      // "constants.v", "boom.mass"; unit "1" where there is none
-  std::vector<double> values;  // SI, strictly ascending or descending, at least two
+  std::vector<double> values;  // SI
 };
 
 struct SweepOptions {
-  std::vector<SweptParameter> over;  // none, one, or two: then a grid
+  std::vector<SweptParameter>
+      over;  // none, one, or two: then a grid; values strictly ascending or descending, two or more
+};
+
+/// A number of the scene that is drawn by lot.
+struct RandomParameter {
+  std::string name, unit;
+  Distribution distribution;  // SI
+};
+
+/// Many simulations: every point of the grid, each with `count` draws.
+struct VaryOptions {
+  enum class Figure { final_value, min, max, mean, rms };
+  bool asked = false;
+  std::vector<SweptParameter> over;  // a full grid, the last one changes fastest
+  std::vector<RandomParameter> random;
+  std::size_t count = 1;
+  std::uint64_t seed = 1;
+  std::vector<Measured> of;  // the outputs where the scene does not choose
+  std::vector<Figure> figures = {Figure::final_value, Figure::min, Figure::max, Figure::mean, Figure::rms};
+  /// Of the grid, times count.
+  [[nodiscard]] std::size_t runs() const {
+    std::size_t product = count;
+    for (const SweptParameter& one : over) product *= one.values.size();
+    return product;
+  }
 };
 
 struct Options {
@@ -104,6 +131,7 @@ struct Options {
   CompareOptions compare;
   StudyOptions study;
   SweepOptions sweep;
+  VaryOptions vary;
   std::vector<Measured> outputs;  // of the scene's "outputs"; all variables where it has none
 };
 

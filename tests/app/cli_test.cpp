@@ -21,7 +21,7 @@ TEST_F(Cli, HelpNamesEveryVerbAndExitCode) {
   const Ended run = bramah("--help");
   EXPECT_EQ(run.code, 0);
   for (const char* verb : {"check", "list", "describe", "equilibrium", "simulate", "linearize", "modes", "sweep",
-                           "critical", "compare", "study"}) {
+                           "critical", "vary", "compare", "study"}) {
     EXPECT_THAT(run.out, HasSubstr(std::string("\n  ") + verb + " "));
     const Ended help = bramah(std::string(verb) + " --help");
     EXPECT_EQ(help.code, 0);

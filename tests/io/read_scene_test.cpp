@@ -105,7 +105,7 @@ TEST(ReadScene, ReadsNumbersOfEveryForm) {
 TEST(ReadScene, AcceptsEveryTopLevelMember) {
   EXPECT_EQ(codes(scene_with(R"("title": "t", "description": "d", "libraries": ["a"], "constants": {}, "components": {},
       "start": {}, "hold": ["a.b"], "outputs": [], "equilibrium": {}, "simulate": {}, "linearize": {}, "study": {},
-      "compare": {}, "sweep": {})")),
+      "compare": {}, "sweep": {}, "vary": {})")),
             Codes{});
 }
 
@@ -312,7 +312,7 @@ TEST(ReadScene, ReportsWrongKinds) {
   expect(R"("hold": ["a", 3])", "/hold/1", "an element of \"hold\" is number 3", "text");
   expect(R"("outputs": {})", "/outputs", "\"outputs\" is object", "a list of texts");
   for (const char* key :
-       {"constants", "components", "start", "equilibrium", "simulate", "linearize", "study", "compare", "sweep"}) {
+       {"constants", "components", "start", "equilibrium", "simulate", "linearize", "study", "compare", "sweep", "vary"}) {
     const std::string name(key);
     expect('"' + name + "\": []", '/' + name, '"' + name + "\" is list of 0", "an object");
   }
@@ -530,7 +530,7 @@ TEST(Render, ShowsOneBlockForEachFault) {
         "scenes/bad.json:2:3: error: unknown key \"componets\" of the scene   [unknown-key]\n"
         "  at        /componets\n"
         "  expected  one of: \"bramah\", \"title\", \"description\", \"libraries\", \"constants\", \"components\", "
-        "\"start\", \"hold\", \"outputs\", \"equilibrium\", \"simulate\", \"linearize\", \"modes\", \"study\", \"compare\", \"sweep\"\n"
+        "\"start\", \"hold\", \"outputs\", \"equilibrium\", \"simulate\", \"linearize\", \"modes\", \"study\", \"compare\", \"sweep\", \"vary\"\n"
         "  to do     did you mean \"components\"?\n"
         "scenes/bad.json:3:11: error: \"hold\" is number 3   [wrong-kind]\n"
         "  at        /hold\n"
