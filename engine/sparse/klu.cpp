@@ -92,21 +92,24 @@ struct Factors {
   template <int width>
   void solve(double* b) {
     using Row = Eigen::Array<double, width, 1>;
-    const auto row = [](double* rows, std::int64_t i) { return Eigen::Map<Row>(rows + i * width); };
+    const auto row = [](auto* rows, std::int64_t i) { return Eigen::Map<Row>(rows + i * width); };
     const auto n = static_cast<std::int64_t>(P.size());
     x.resize(P.size() * width);
-    const SuiteSparse_long *l = L_start.data(), *u = U_start.data();
-    for (std::int64_t k = 0; k < n; ++k) row(x.data(), k) = row(b, P.data()[k]) / R.data()[k];
+    double* const x_all = x.data();
+    const SuiteSparse_long *p = P.data(), *q = Q.data();
+    const SuiteSparse_long *l = L_start.data(), *l_row = L_row.data(), *u = U_start.data(), *u_row = U_row.data();
+    const double *l_value = L.data(), *u_value = U.data(), *scale = R.data();
+    for (std::int64_t k = 0; k < n; ++k) row(x_all, k) = row(b, p[k]) / scale[k];
     for (std::int64_t k = 0; k < n; ++k) {
-      const Row x_k = row(x.data(), k);
+      const Row x_k = row(x_all, k);
       if ((x_k == 0.0).all()) continue;  // most rows, at first, of what one coordinate moves
-      for (auto e = l[k] + 1; e < l[k + 1]; ++e) row(x.data(), L_row.data()[e]) -= L.data()[e] * x_k;
+      for (auto e = l[k] + 1; e < l[k + 1]; ++e) row(x_all, l_row[e]) -= l_value[e] * x_k;
     }
     for (std::int64_t k = n; k-- > 0;) {
       const auto diagonal = u[k + 1] - 1;
-      const Row x_k = row(x.data(), k) / U.data()[diagonal];
-      for (auto e = u[k]; e < diagonal; ++e) row(x.data(), U_row.data()[e]) -= U.data()[e] * x_k;
-      row(b, Q.data()[k]) = x_k;
+      const Row x_k = row(x_all, k) / u_value[diagonal];
+      for (auto e = u[k]; e < diagonal; ++e) row(x_all, u_row[e]) -= u_value[e] * x_k;
+      row(b, q[k]) = x_k;
     }
   }
 };
@@ -209,7 +212,7 @@ void BasicKlu<Scalar>::solve_block(std::span<Scalar> rhs) const requires std::sa
   if (d.size == 0) return;
   if (!d.taken) d.factors.take(d.symbolic, d.numeric, &d.common);
   d.taken = true;
-  d.factors.template solve<block>(rhs.data());
+  d.factors.template solve<block>(doubles(rhs.data()));
 }
 
 template <class Scalar>
