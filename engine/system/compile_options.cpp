@@ -669,7 +669,7 @@ void OptionReader::check_vary(const Value& section, const VaryOptions& vary) {
     faults_.add("repeated", pointer("/vary/random", one.name), "\"" + one.name + "\" in \"over\" and in \"random\"",
                 "each number in one of them", "remove it from the other", true);
   }
-  double runs = static_cast<double>(vary.count);
+  auto runs = static_cast<double>(vary.count);
   for (const SweptParameter& one : vary.over) runs *= static_cast<double>(one.values.size());
   if (runs > most_runs) {
     faults_.add("out-of-range", "/vary", "\"vary\" asks for " + number_text(runs) + " runs",

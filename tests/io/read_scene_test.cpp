@@ -311,8 +311,8 @@ TEST(ReadScene, ReportsWrongKinds) {
   expect(R"("libraries": "mechanics")", "/libraries", R"("libraries" is text "mechanics")", "a list of texts");
   expect(R"("hold": ["a", 3])", "/hold/1", "an element of \"hold\" is number 3", "text");
   expect(R"("outputs": {})", "/outputs", "\"outputs\" is object", "a list of texts");
-  for (const char* key :
-       {"constants", "components", "start", "equilibrium", "simulate", "linearize", "study", "compare", "sweep", "vary"}) {
+  for (const char* key : {"constants", "components", "start", "equilibrium", "simulate", "linearize", "study",
+                          "compare", "sweep", "vary"}) {
     const std::string name(key);
     expect('"' + name + "\": []", '/' + name, '"' + name + "\" is list of 0", "an object");
   }
