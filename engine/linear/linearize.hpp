@@ -146,9 +146,4 @@ class LinearizerAlong {
   int choices_ = 0;
 };
 
-/// Eqs. (96)-(100): the augmented Jacobian by central differences with absolute step h in every variable (SI), F = A^-1 f
-/// formed with a dense inverse as in the paper.
-Eigen::MatrixXd augmented_by_differences(const System& system, const Partition& partition, const State& reference,
-                                         double h);
-
 }  // namespace bramah
