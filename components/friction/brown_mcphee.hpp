@@ -11,7 +11,8 @@
 #pragma once
 
 #include <bramah/component.hpp>
-#include <cstdio>
+
+#include "static_friction.hpp"
 
 namespace bramah::friction {
 
@@ -33,13 +34,7 @@ struct BrownMcPhee {
         .doc("factor of the viscous term: 1 as Eq. (8) prints, or tanh 4 as Brown and McPhee");
     is.output("force", force_out, "N", "friction, positive against positive speed");
   }
-  void check(Faults& faults) const {
-    if (F_s >= F_c) return;
-    char found[64], expected[64];
-    std::snprintf(found, sizeof found, "%g N", F_s.value());
-    std::snprintf(expected, sizeof expected, "at least F_c = %g N", F_c.value());
-    faults.add("F_s", found, expected);
-  }
+  void check(Faults& faults) const { check_static_friction(faults, F_c, F_s); }
   template <class T>
   T force(const At<T>& at) const {
     const T& sdot = at.rate(along);

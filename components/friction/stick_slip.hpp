@@ -12,7 +12,8 @@
 #pragma once
 
 #include <bramah/component.hpp>
-#include <cstdio>
+
+#include "static_friction.hpp"
 
 namespace bramah::friction {
 
@@ -34,13 +35,7 @@ struct StickSlip {
     is.output("power", power_out, "W", "dissipated power");
     is.switching("break_away", break_away, "m/s", 1e-3, "the speed's magnitude less v_b: it slips");
   }
-  void check(Faults& faults) const {
-    if (F_s >= F_c) return;
-    char found[64], expected[64];
-    std::snprintf(found, sizeof found, "%g N", F_s.value());
-    std::snprintf(expected, sizeof expected, "at least F_c = %g N", F_c.value());
-    faults.add("F_s", found, expected);
-  }
+  void check(Faults& faults) const { check_static_friction(faults, F_c, F_s); }
   template <class T>
   T force(const At<T>& at) const {
     const T& sdot = at.rate(along);

@@ -12,13 +12,12 @@
 #include <bramah/component.hpp>
 
 #include "orifice.hpp"
+#include "resistor.hpp"
 
 namespace bramah::hydraulics {
 
-struct CentrePath {
-  Pressure a, b;
+struct CentrePath : PowerResistor<CentrePath> {
   Spool U;
-  Output flow_out, power_out;
   Switch spool_centre, edge, laminar_limit;
   Parameter C_v = 1e-6, U_shut = 1.0, dp_lim = 2e5;
 
@@ -45,18 +44,6 @@ struct CentrePath {
   T flow(const At<T>& at) const {
     const T open = opening(at);
     return at.above_zero(open) ? T(open * orifice(at, T(at(a) - at(b)), dp_lim) * C_v) : T(0.0);
-  }
-  template <class T>
-  void balance(const At<T>& at, Rows<T>& rows) const {
-    const T Q = flow(at);
-    rows.inflow(a, -Q);
-    rows.inflow(b, Q);
-  }
-  template <class T>
-  void output(const At<T>& at, Values<T>& y) const {
-    const T Q = flow(at);
-    y(flow_out) = Q;
-    y(power_out) = Q * (at(a) - at(b));
   }
   template <class T>
   void switches(const At<T>& at, Values<T>& s) const {

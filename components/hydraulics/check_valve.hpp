@@ -11,12 +11,11 @@
 #include <bramah/component.hpp>
 
 #include "orifice.hpp"
+#include "resistor.hpp"
 
 namespace bramah::hydraulics {
 
-struct CheckValve {
-  Pressure a, b;
-  Output flow_out, power_out;
+struct CheckValve : PowerResistor<CheckValve> {
   Switch edge, laminar_limit;
   Parameter p_crack = 0.0, C_v = 1e-6, dp_lim = 2e5;
 
@@ -45,18 +44,6 @@ struct CheckValve {
   T flow(const At<T>& at) const {
     const T dp = drive(at);
     return at.above_zero(dp) ? T(orifice(at, dp, dp_lim) * C_v) : T(0.0);
-  }
-  template <class T>
-  void balance(const At<T>& at, Rows<T>& rows) const {
-    const T Q = flow(at);
-    rows.inflow(a, -Q);
-    rows.inflow(b, Q);
-  }
-  template <class T>
-  void output(const At<T>& at, Values<T>& y) const {
-    const T Q = flow(at);
-    y(flow_out) = Q;
-    y(power_out) = Q * (at(a) - at(b));
   }
   template <class T>
   void switches(const At<T>& at, Values<T>& s) const {

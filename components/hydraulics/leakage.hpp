@@ -7,11 +7,11 @@
 
 #include <bramah/component.hpp>
 
+#include "resistor.hpp"
+
 namespace bramah::hydraulics {
 
-struct Leakage {
-  Pressure a, b;
-  Output flow_out;
+struct Leakage : Resistor<Leakage> {
   Parameter C_L = 1e-13;
 
   void describe(Description& is) {
@@ -24,16 +24,6 @@ struct Leakage {
   template <class T>
   T flow(const At<T>& at) const {
     return (at(a) - at(b)) * C_L;
-  }
-  template <class T>
-  void balance(const At<T>& at, Rows<T>& rows) const {
-    const T Q = flow(at);
-    rows.inflow(a, -Q);
-    rows.inflow(b, Q);
-  }
-  template <class T>
-  void output(const At<T>& at, Values<T>& y) const {
-    y(flow_out) = flow(at);
   }
 };
 

@@ -9,11 +9,11 @@
 
 #include <bramah/component.hpp>
 
+#include "resistor.hpp"
+
 namespace bramah::hydraulics {
 
-struct ReliefValve {
-  Pressure a, b;
-  Output flow_out, power_out;
+struct ReliefValve : PowerResistor<ReliefValve> {
   Switch edge;
   Parameter p_crack = 2.5e7, G_v = 1e-9;
 
@@ -35,18 +35,6 @@ struct ReliefValve {
   T flow(const At<T>& at) const {
     const T over = overpressure(at);
     return at.above_zero(over) ? T(over * G_v) : T(0.0);
-  }
-  template <class T>
-  void balance(const At<T>& at, Rows<T>& rows) const {
-    const T Q = flow(at);
-    rows.inflow(a, -Q);
-    rows.inflow(b, Q);
-  }
-  template <class T>
-  void output(const At<T>& at, Values<T>& y) const {
-    const T Q = flow(at);
-    y(flow_out) = Q;
-    y(power_out) = Q * (at(a) - at(b));
   }
   template <class T>
   void switches(const At<T>& at, Values<T>& s) const {

@@ -11,12 +11,11 @@
 #include <bramah/component.hpp>
 
 #include "orifice.hpp"
+#include "resistor.hpp"
 
 namespace bramah::hydraulics {
 
-struct Throttle {
-  Pressure a, b;
-  Output flow_out;
+struct Throttle : Resistor<Throttle> {
   Switch laminar_limit;
   Parameter C_d = 0.8, A_t = 1e-5, rho_oil = 850.0, dp_lim = 2e5;
 
@@ -35,16 +34,6 @@ struct Throttle {
   T flow(const At<T>& at) const {
     const Parameter C_vt = C_d * A_t * sqrt(2.0 / rho_oil);  // m^3/(s.Pa^0.5), Eq. (5)
     return orifice(at, T(at(a) - at(b)), dp_lim) * C_vt;
-  }
-  template <class T>
-  void balance(const At<T>& at, Rows<T>& rows) const {
-    const T Q = flow(at);
-    rows.inflow(a, -Q);
-    rows.inflow(b, Q);
-  }
-  template <class T>
-  void output(const At<T>& at, Values<T>& y) const {
-    y(flow_out) = flow(at);
   }
   template <class T>
   void switches(const At<T>& at, Values<T>& s) const {
