@@ -14,6 +14,8 @@
 namespace bramah {
 namespace {
 
+constexpr const char* kOptions[] = {"--resume", "--save-every", "--binary"};
+
 std::string document(const Context& context, const Transient& transient, const std::string& file) {
   JsonWriter json;
   json.begin_object().key("summary").begin_object();
@@ -139,10 +141,6 @@ int run(const Arguments& arguments) {
   return transient.interrupted ? exit_interrupted : exit_ok;
 }
 
-}  // namespace
-
-namespace {
-constexpr const char* kOptions[] = {"--resume", "--save-every", "--binary"};
 }  // namespace
 
 constinit const Verb verb_simulate = {

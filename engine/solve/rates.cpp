@@ -146,7 +146,8 @@ bool Rates::close(State& state, Index& row) {
 void Rates::project(State& state) {
   if (rows_ == 0) return;
   Index row = 0;
-  before_ = {state.x, state.v};
+  before_.first = state.x;  // assigned in place: no step allocates
+  before_.second = state.v;
   if (close(state, row)) return;
   evaluate(state);
   if (close(state, row)) return;

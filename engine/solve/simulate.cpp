@@ -243,6 +243,7 @@ Simulation Run::march() {
       if (observer_.output && (first ? !resumed_ : state_.t == breakpoint)) observer_.output(state_);
       march_segment();
     }
+    kkt_.complete(state_, blocks_);
   } catch (const AnalysisError& error) {
     throw SimulationError(error, checkpoint());
   }
@@ -260,7 +261,6 @@ void Run::conclude(double seconds) {
     s.limiting = variable_name(system_, most - limited_.begin());
     s.limiting_share = static_cast<double>(*most) / static_cast<double>(std::max(s.steps, 1L));
   }
-  kkt_.complete(state_, blocks_);
   result_.last = state_;
   result_.checkpoint = checkpoint();
 }
