@@ -87,6 +87,12 @@ for tolerance in 1e-4 1e-5 5e-6 3e-6 2e-6 1e-6 1e-7; do
 done
 for tolerance in 1e-5 1e-6 8e-7 5e-7 2e-7 1e-7; do run four_bar_ladder_ida 40 $tolerance; done
 run four_bar_ladder 100 1e-6
+for method in explicit implicit ida generalized_alpha; do
+  for N in 10 100 1000 10000; do run steps_chain_$method $N; done
+  for N in 5 50 500 5000; do run steps_ladder_$method $N; done
+done
+run real_time_four_bar 1
+run real_time_excavator 1
 mv "$lines.new" "$lines"
 "$bramah" compare "$root/scenes/four_bar/overdamped.json" --json --quiet > "$root/bench/results/$name.compare.json"
 "$report" "$name"

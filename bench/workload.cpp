@@ -169,6 +169,65 @@ void ladder(const Arguments& arguments, SimulateOptions::Integrator integrator) 
 void four_bar_ladder(const Arguments& arguments) { ladder(arguments, SimulateOptions::Integrator::automatic); }
 void four_bar_ladder_ida(const Arguments& arguments) { ladder(arguments, SimulateOptions::Integrator::ida); }
 
+using Method = SimulateOptions::Integrator;
+constexpr double real_time_step = 1e-3;  // s, of the fixed-step method
+
+/// A step in motion, start-up apart; the mean over up to 100 steps, or over those of two seconds of work. wall_s is that of
+/// one step.
+void steps(const Arguments& arguments, const Compiled& model, int bodies, Method method) {
+  constexpr long first = 10, last = 110;
+  constexpr double enough = 2.0;  // s
+  const System& system = model.system;
+  SimulateOptions options = model.options.simulate;
+  options.integrator = method;
+  options.step = real_time_step;
+  options.output_step = options.to_time = 10.0;
+  if (arguments.tolerance) options.rel_tol = *arguments.tolerance;
+  Line line(arguments);
+  long count = 0;
+  double from = NAN, begun = NAN, reached = NAN;
+  Observer observer;
+  observer.progress = [&](double time, double) {
+    if (++count == first) {
+      from = time;
+      begun = cpu_seconds();
+    }
+    reached = time;
+    return count < last && !(cpu_seconds() - begun > enough);
+  };
+  const Simulation run = simulate(system, options, consistent_start(system, model.options, 0.0), observer);
+  const double spent = cpu_seconds() - begun, step = spent / static_cast<double>(count - first);
+  add_times(line, {step, step}, run.statistics.energy.relative(), count);
+  line.add("bodies", bodies).add("per_body_s", step / bodies).add("times_real_time", (reached - from) / spent);
+  line.print();
+}
+template <Method method>
+void steps_chain(const Arguments& arguments) {
+  constexpr double bend = 0.3;  // rad
+  steps(arguments, compiled(support::planar_chain(arguments.N, support::bent(bend))), arguments.N, method);
+}
+/// N four-bars side by side share their uprights: 2 N + 1 bodies.
+template <Method method>
+void steps_ladder(const Arguments& arguments) {
+  steps(arguments, compiled(support::four_bar_ladder(arguments.N)), 2 * arguments.N + 1, method);
+}
+
+/// All that a scene asks for by the fixed-step method; the error is the share of the energy that is unaccounted for.
+void real_time(const Arguments& arguments, const std::string& file) {
+  const Compiled model = compiled(read_scene(BRAMAH_SOURCE_DIR "/scenes/" + file));
+  SimulateOptions options = model.options.simulate;
+  options.integrator = Method::generalized_alpha;
+  options.step = real_time_step;
+  options.output_step = options.to_time;
+  const State start = reference_state(model.system, model.options, options.from == SimulateOptions::From::equilibrium,
+                                      options.from_time);
+  Line line(arguments);
+  Simulation run;
+  const Elapsed time = elapsed([&] { run = simulate(model.system, options, start, {}); });
+  add_times(line, time, run.statistics.energy.relative(), run.statistics.steps);
+  line.add("times_real_time", (options.to_time - options.from_time) / time.cpu).print();
+}
+
 /// A hanging chain, from zero multipliers; the error is that of the weights that its joints carry.
 void equilibrium_chain(const Arguments& arguments) {
   const Compiled model = compiled(support::planar_chain(arguments.N));
@@ -293,6 +352,16 @@ const std::vector<std::pair<std::string, std::function<void(const Arguments&)>>>
         {"load_chain", load_chain},
         {"costs_planar", costs_planar},
         {"costs_spatial", costs_spatial},
+        {"steps_chain_ida", steps_chain<Method::ida>},
+        {"steps_chain_explicit", steps_chain<Method::explicit_one_step>},
+        {"steps_chain_implicit", steps_chain<Method::implicit_one_step>},
+        {"steps_chain_generalized_alpha", steps_chain<Method::generalized_alpha>},
+        {"steps_ladder_ida", steps_ladder<Method::ida>},
+        {"steps_ladder_explicit", steps_ladder<Method::explicit_one_step>},
+        {"steps_ladder_implicit", steps_ladder<Method::implicit_one_step>},
+        {"steps_ladder_generalized_alpha", steps_ladder<Method::generalized_alpha>},
+        {"real_time_four_bar", [](const Arguments& a) { real_time(a, "four_bar/overdamped.json"); }},
+        {"real_time_excavator", [](const Arguments& a) { real_time(a, "crane/dig_cycle.json"); }},
         {"rungs_four_bar", [](const Arguments& a) { rungs(a, support::four_bar_scene()); }}};
     for (const support::Family& family : support::families()) {
       list.emplace_back(std::string("rungs_") + family.name,

@@ -19,7 +19,7 @@ namespace bramah::friction {
 
 struct StickSlip {
   Coordinate along;
-  Output force_out, power_out;
+  Output force_out;
   Switch break_away;
   Parameter F_c = 0.0, F_s = 0.0, v_b = 1e-4, v_s = 0.01, sigma_2 = 0.0;
 
@@ -32,7 +32,6 @@ struct StickSlip {
     is.parameter("v_s", v_s, "m/s").above(0.0).doc("Stribeck velocity: how fast friction falls beyond break-away");
     is.parameter("sigma_2", sigma_2, "N.s/m").by_default(0.0).at_least(0.0).doc("viscous coefficient");
     is.output("force", force_out, "N", "friction, positive against positive speed");
-    is.output("power", power_out, "W", "dissipated power");
     is.switching("break_away", break_away, "m/s", 1e-3, "the speed's magnitude less v_b: it slips");
   }
   void check(Faults& faults) const { check_static_friction(faults, F_c, F_s); }
@@ -50,9 +49,7 @@ struct StickSlip {
   }
   template <class T>
   void output(const At<T>& at, Values<T>& y) const {
-    const T F = force(at);
-    y(force_out) = F;
-    y(power_out) = F * at.rate(along);
+    y(force_out) = force(at);
   }
   template <class T>
   void switches(const At<T>& at, Values<T>& s) const {

@@ -16,7 +16,7 @@
 
 namespace bramah::hydraulics {
 
-struct CentrePath : PowerResistor<CentrePath> {
+struct CentrePath : Resistor<CentrePath> {
   Spool U;
   Switch spool_centre, edge, laminar_limit;
   Parameter C_v = 1e-6, U_shut = 1.0, dp_lim = 2e5;
@@ -30,7 +30,6 @@ struct CentrePath : PowerResistor<CentrePath> {
     is.parameter("U_shut", U_shut, "1").by_default(1.0).above(0.0).doc("displacement at which the path is shut");
     is.parameter("dp_lim", dp_lim, "Pa").by_default(2e5).above(0.0).doc("drop at which the flow turns turbulent");
     is.output("flow", flow_out, "m^3/s", "flow from a to b");
-    is.output("power", power_out, "W", "dissipated power");
     is.switching("spool_centre", spool_centre, "1", 1.0, "the spool: the path begins to close");
     is.switching("edge", edge, "1", 1.0, "what is open of the path: it is shut");
     is.switching("laminar_limit", laminar_limit, "Pa", 1e5, "the drop less dp_lim: the flow turns turbulent");

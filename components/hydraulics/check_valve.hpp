@@ -15,7 +15,7 @@
 
 namespace bramah::hydraulics {
 
-struct CheckValve : PowerResistor<CheckValve> {
+struct CheckValve : Resistor<CheckValve> {
   Switch edge, laminar_limit;
   Parameter p_crack = 0.0, C_v = 1e-6, dp_lim = 2e5;
 
@@ -30,7 +30,6 @@ struct CheckValve : PowerResistor<CheckValve> {
         .above(0.0)
         .doc("drop beyond p_crack at which the flow turns turbulent");
     is.output("flow", flow_out, "m^3/s", "flow from a to b");
-    is.output("power", power_out, "W", "dissipated power");
     is.switching("edge", edge, "Pa", 1e5, "the drop less p_crack: the valve opens");
     is.switching("laminar_limit", laminar_limit, "Pa", 1e5,
                  "the drop less p_crack and dp_lim: the flow turns turbulent");

@@ -74,6 +74,12 @@ struct Cylinder {
     rows.store(rod_side, T(l_3(at) * (A_3() * compliance)), T(at.rate(stroke) * -A_3()));
   }
   template <class T>
+  T energy(const At<T>& at) const {
+    const Parameter compliance = 1.0 / B_oil + 1.0 / B_c;
+    return storage_energy(at, piston_side, T(l_2(at) * (A_2() * compliance))) +
+           storage_energy(at, rod_side, T(l_3(at) * (A_3() * compliance)));
+  }
+  template <class T>
   void output(const At<T>& at, Values<T>& y) const {
     y(force) = oil_force(at);
     y(length_2) = l_2(at);

@@ -26,6 +26,10 @@ struct Hose {
   void balance(const At<T>&, Rows<T>& rows) const {
     rows.store(volume, V_h * (1.0 / B_oil + 1.0 / B_h));
   }
+  template <class T>
+  T energy(const At<T>& at) const {
+    return storage_energy(at, volume, V_h * (1.0 / B_oil + 1.0 / B_h));
+  }
 };
 
 }  // namespace bramah::hydraulics

@@ -22,7 +22,6 @@ struct Flow : FirstOrder {
 struct Pipe {
   Pressure a, b;
   Flow Q;
-  Output power_out, energy_out;
   Parameter d = 0.02, l = 1.0, rho_oil = 850.0, mu = 0.04;
 
   void describe(Description& is) {
@@ -34,8 +33,6 @@ struct Pipe {
     is.parameter("rho_oil", rho_oil, "kg/m^3").above(0.0).doc("density of the oil");
     is.parameter("mu", mu, "Pa.s").by_default(0.04).at_least(0.0).doc("viscosity of the oil");
     is.own("Q", Q, "m^3/s", "flow from a to b").nominal(1e-3).start(0.0);
-    is.output("power", power_out, "W", "dissipated power");
-    is.output("energy", energy_out, "J", "kinetic energy of the oil");
   }
   [[nodiscard]] Parameter inertance() const { return 4.0 * rho_oil * l / (std::numbers::pi * d * d); }
   [[nodiscard]] Parameter resistance() const { return 128.0 * mu * l / (std::numbers::pi * d * d * d * d); }
@@ -47,9 +44,8 @@ struct Pipe {
     rows.inflow(Q, at(a) - at(b) - at(Q) * resistance());
   }
   template <class T>
-  void output(const At<T>& at, Values<T>& y) const {
-    y(power_out) = square(at(Q)) * resistance();
-    y(energy_out) = square(at(Q)) * (0.5 * inertance());
+  T energy(const At<T>& at) const {
+    return storage_energy(at, Q, inertance());  // kinetic energy of the oil
   }
 };
 

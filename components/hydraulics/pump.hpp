@@ -29,7 +29,7 @@ struct Pump {
   Pressure inlet, outlet, sense;
   Input speed;
   Displacement alpha;
-  Output flow_out, power_out;
+  Output flow_out;
   Switch least, largest;
   Parameter q = 1e-5, p_set = 2.5e7, p_band = 1e6, alpha_min = 0.0, tau = 0.05;
 
@@ -50,7 +50,6 @@ struct Pump {
     is.parameter("tau", tau, "s").by_default(0.05).above(0.0).doc("time constant of the displacement");
     is.own("alpha", alpha, "1", "displacement over its largest").nominal(1.0).start(1.0);
     is.output("flow", flow_out, "m^3/s", "flow into the outlet");
-    is.output("power", power_out, "W", "power given to the oil");
     is.switching("least", least, "Pa", 1e5, "pressure missing less that of alpha_min");
     is.switching("largest", largest, "Pa", 1e5, "pressure missing less p_band");
   }
@@ -79,9 +78,7 @@ struct Pump {
   }
   template <class T>
   void output(const At<T>& at, Values<T>& y) const {
-    const T Q = flow(at);
-    y(flow_out) = Q;
-    y(power_out) = Q * (at(outlet) - at(inlet));
+    y(flow_out) = flow(at);
   }
   template <class T>
   void switches(const At<T>& at, Values<T>& s) const {

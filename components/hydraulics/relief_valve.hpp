@@ -13,7 +13,7 @@
 
 namespace bramah::hydraulics {
 
-struct ReliefValve : PowerResistor<ReliefValve> {
+struct ReliefValve : Resistor<ReliefValve> {
   Switch edge;
   Parameter p_crack = 2.5e7, G_v = 1e-9;
 
@@ -24,7 +24,6 @@ struct ReliefValve : PowerResistor<ReliefValve> {
     is.parameter("p_crack", p_crack, "Pa").at_least(0.0).doc("drop at which it opens");
     is.parameter("G_v", G_v, "m^3/(s.Pa)").above(0.0).doc("flow per over-pressure");
     is.output("flow", flow_out, "m^3/s", "flow from a to b");
-    is.output("power", power_out, "W", "dissipated power");
     is.switching("edge", edge, "Pa", 1e5, "the drop less p_crack: the valve opens");
   }
   template <class T>

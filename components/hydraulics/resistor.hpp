@@ -23,17 +23,4 @@ struct Resistor {
   }
 };
 
-/// The same with the power that it dissipates, W.
-template <class Law>
-struct PowerResistor : Resistor<Law> {
-  Output power_out;
-
-  template <class T>
-  void output(const At<T>& at, Values<T>& y) const {
-    const T Q = static_cast<const Law*>(this)->flow(at);
-    y(this->flow_out) = Q;
-    y(power_out) = Q * (at(this->a) - at(this->b));
-  }
-};
-
 }  // namespace bramah::hydraulics

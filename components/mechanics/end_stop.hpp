@@ -17,7 +17,7 @@ namespace bramah::mechanics {
 
 struct EndStop {
   Coordinate along;
-  Output force_out, depth_out, power_out;
+  Output force_out, depth_out;
   Switch lower_end, upper_end, lower_release, upper_release;
   Parameter lower = 0.0, upper = 1.0, stiffness = 0.0, damping = 0.0;
 
@@ -30,7 +30,6 @@ struct EndStop {
     is.parameter("damping", damping, "s/m").by_default(0.0).at_least(0.0).doc("share of force per speed of approach");
     is.output("force", force_out, "N", "force of the ends, positive where it lengthens");
     is.output("depth", depth_out, "m", "how deep the end is pressed in, 0 where none is touched");
-    is.output("power", power_out, "W", "dissipated power");
     is.switching("lower_end", lower_end, "m", 1e-3, "the length less its lower end");
     is.switching("upper_end", upper_end, "m", 1e-3, "the upper end less the length");
     is.switching("lower_release", lower_release, "1", 1.0, "1 less damping times speed: the lower end would pull");
@@ -73,12 +72,15 @@ struct EndStop {
     rows.apply(along, push(at, c) * c.away);
   }
   template <class T>
+  T energy(const At<T>& at) const {
+    const Contact<T> c = contact(at);
+    return touches(at, c) ? T(square(c.depth) * (0.5 * stiffness)) : T(0.0);
+  }
+  template <class T>
   void output(const At<T>& at, Values<T>& y) const {
     const Contact<T> c = contact(at);
-    const T F = push(at, c), depth = touches(at, c) ? c.depth : T(0.0);
-    y(force_out) = F * c.away;
-    y(depth_out) = depth;
-    y(power_out) = (F - depth * stiffness) * c.approach;
+    y(force_out) = push(at, c) * c.away;
+    y(depth_out) = touches(at, c) ? c.depth : T(0.0);
   }
   template <class T>
   void switches(const At<T>& at, Values<T>& s) const {

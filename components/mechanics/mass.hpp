@@ -29,6 +29,10 @@ struct Mass {
   void balance(const At<T>&, Rows<T>& rows) const {
     rows.inertia(x, mass);
   }
+  template <class T>
+  T energy(const At<T>& at) const {
+    return kinetic_energy(at, x, mass);
+  }
 };
 
 }  // namespace bramah::mechanics

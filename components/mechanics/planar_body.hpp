@@ -43,6 +43,10 @@ struct PlanarBody {
     const Vec3<T> g = at(gravity);
     rows.apply(frame, Vec2<T>{g[0] * mass, g[1] * mass});
   }
+  template <class T>
+  T energy(const At<T>& at) const {
+    return kinetic_energy(at, frame, mass, inertia) + weight_energy(mass, at(gravity), at.position(frame));
+  }
 };
 
 }  // namespace bramah::mechanics

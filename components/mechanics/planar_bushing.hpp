@@ -52,6 +52,13 @@ struct PlanarBushing {
     rows.apply_torque(a, arm[0] * on_a[1] - arm[1] * on_a[0]);
   }
   template <class T>
+  T energy(const At<T>& at) const {
+    const Vec2<T> arm = at.point(b, point_b) - at.position(a);
+    const T d_x = dot(at.direction(a, {1.0, 0.0}), arm) - point_a[0],
+            d_y = dot(at.direction(a, {0.0, 1.0}), arm) - point_a[1];
+    return square(d_x) * (0.5 * stiffness[0]) + square(d_y) * (0.5 * stiffness[1]);
+  }
+  template <class T>
   void output(const At<T>& at, Values<T>& y) const {
     const Vec2<T> F = pull(at);
     y(force_x) = F[0];

@@ -70,8 +70,12 @@ struct RigidBody {
 
   template <class T>
   void balance(const At<T>& at, Rows<T>& rows) const {
-    rows.inertia(frame, mass, {inertia[0], inertia[1], inertia[2], products[0], products[1], products[2]});
+    rows.inertia(frame, mass, inertia_matrix());
     rows.apply(frame, mass * at(gravity));
+  }
+  template <class T>
+  T energy(const At<T>& at) const {
+    return kinetic_energy(at, frame, mass, inertia_matrix()) + weight_energy(mass, at(gravity), at.position(frame));
   }
   template <class T>
   void holonomic(const Positions<T>& at, Values<T>& rows) const {
@@ -80,6 +84,9 @@ struct RigidBody {
   }
 
  private:
+  [[nodiscard]] Inertia inertia_matrix() const {
+    return {inertia[0], inertia[1], inertia[2], products[0], products[1], products[2]};
+  }
   /// Whether the symmetric matrix (diagonal xx, yy, zz; off xy, xz, yz) has no eigenvalue below about -margin: by all
   /// its principal minors.
   static bool semidefinite(const Vec3<Parameter>& d, const Vec3<Parameter>& o, const Parameter& margin) {

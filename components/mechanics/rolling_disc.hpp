@@ -105,6 +105,14 @@ struct RollingDisc {
     rows.apply(spin, -(C * ndot));
   }
   template <class T>
+  T energy(const At<T>& at) const {
+    const T &turning = at.rate(yaw), &tilting = at.rate(lean);
+    const T n = at.rate(spin) + turning * sin(at(lean));
+    const T speed = square(at.rate(x)) + square(at.rate(y)) + square(at.rate(z));
+    const T kinetic = 0.5 * (mass * speed + A * (square(turning * cos(at(lean))) + square(tilting)) + C * square(n));
+    return kinetic + weight_energy(mass, at(gravity), Vec3<T>{at(x), at(y), at(z)});
+  }
+  template <class T>
   void holonomic(const Positions<T>& at, Values<T>& rows) const {
     rows(contact) = at(z) - a * cos(at(lean)) - rho;
   }

@@ -37,6 +37,10 @@ struct SpringDamper {
     rows.apply(from, F);
   }
   template <class T>
+  T energy(const At<T>& at) const {
+    return square(at(to) - at(from) - free_length) * (0.5 * stiffness);
+  }
+  template <class T>
   void output(const At<T>& at, Values<T>& y) const {
     y(force_out) = force(at);
   }

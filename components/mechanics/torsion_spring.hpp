@@ -37,6 +37,10 @@ struct TorsionSpring {
     rows.apply(from, M);
   }
   template <class T>
+  T energy(const At<T>& at) const {
+    return square(at(to) - at(from) - free_angle) * (0.5 * stiffness);
+  }
+  template <class T>
   void output(const At<T>& at, Values<T>& y) const {
     y(torque_out) = torque(at);
   }

@@ -74,6 +74,13 @@ struct Wheel {
     rows.apply_torque(carrier, -1.0 * (hdot + cross(w, h)));
     rows.apply(spin, -(C * ndot));
   }
+  template <class T>
+  T energy(const At<T>& at) const {
+    const Vec3<T> v = at.velocity(carrier, point), w = at.angular_velocity(carrier);
+    const T about = dot(w, axle), n = about + at.rate(spin);
+    const T kinetic = 0.5 * (mass * dot(v, v) + A * (dot(w, w) - square(about)) + C * square(n));
+    return kinetic + weight_energy(mass, at(gravity), at.point(carrier, point));
+  }
 };
 
 }  // namespace bramah::mechanics

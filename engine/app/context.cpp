@@ -48,7 +48,7 @@ Context load(const Arguments& arguments) {
   }
 }
 
-Linearization linearize(const Compiled& compiled, const Prescribed& prescribed) {
+Linearization linearize(const Compiled& compiled, const Prescribed& prescribed, std::vector<Measured> outputs) {
   const System& system = compiled.system;
   const Options& options = compiled.options;
   const double start_time = options.simulate.from_time;
@@ -64,7 +64,7 @@ Linearization linearize(const Compiled& compiled, const Prescribed& prescribed) 
   result.state.side = options.linearize.side;
   result.partition = choose_partition(system, result.state, prescribed);
   refuse_too_large(system, result.partition);
-  Linearizer linearizer(system, result.partition, options.outputs);
+  Linearizer linearizer(system, result.partition, std::move(outputs));
   linearizer.linearize(result.state, result.model);
   linearizer.estimate_rounding(result.model);
   result.conditions = linearizer.conditions();
@@ -75,6 +75,10 @@ Linearization linearize(const Compiled& compiled, const Prescribed& prescribed) 
 
 Linearization linearize(const Context& context) {
   return linearize(context.compiled, context.options().linearize.prescribed);
+}
+
+Linearization linearize_outputs(const Context& context) {
+  return linearize(context.compiled, context.options().linearize.prescribed, context.options().outputs);
 }
 
 void print(std::string_view text) {

@@ -35,9 +35,11 @@ struct Linearization {
   LinearModel model;
   Eigen::MatrixXd motion, response;  // of the Linearizer
 };
-/// With coordinates of the partition prescribed.
-Linearization linearize(const Compiled& compiled, const Prescribed& prescribed);
+/// With coordinates of the partition prescribed; C and D of `outputs`.
+Linearization linearize(const Compiled& compiled, const Prescribed& prescribed, std::vector<Measured> outputs = {});
 Linearization linearize(const Context& context);
+/// With the scene's outputs. AnalysisError for one that has no rows in C and D.
+Linearization linearize_outputs(const Context& context);
 
 /// The document as FILE in the folder of --out, where one is given; on standard output the document with --json and
 /// the text without.

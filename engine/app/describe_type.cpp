@@ -5,6 +5,7 @@
 
 #include "io/json_writer.hpp"
 #include "io/tables.hpp"
+#include "system/energies.hpp"
 
 namespace bramah {
 namespace {
@@ -113,6 +114,7 @@ std::string type_text(const Registry& registry, const bramah_type& type) {
   section(out, "Holonomic rows", row_table(list(type.holonomic, type.holonomic_count)));
   section(out, "Nonholonomic rows", row_table(list(type.nonholonomic, type.nonholonomic_count)));
   section(out, "Outputs", row_table(list(type.outputs, type.output_count)));
+  if (says_energy(type)) out += "\nSays what it stores: NAME.energy\n";
   return out + "\nIn a scene\n" + sample(type);
 }
 
@@ -169,6 +171,7 @@ std::string type_document(const Registry& registry, const bramah_type& type) {
   rows("holonomic_rows", list(type.holonomic, type.holonomic_count));
   rows("nonholonomic_rows", list(type.nonholonomic, type.nonholonomic_count));
   rows("outputs", list(type.outputs, type.output_count));
+  json.member("says_energy", says_energy(type));
   json.end_object();
   return json.take();
 }

@@ -54,8 +54,7 @@ Overlay overlay_linear(const Context& context, const Linearization& linear, cons
   Overlay overlay;
   overlay.first = recording.from_index;
   overlay.from = recording.times[overlay.first];
-  Blocks blocks(system);
-  measure(system, linear.state, outputs, blocks, overlay.reference);
+  overlay.reference = Meter(system, outputs).read(linear.state);
 
   const auto count = static_cast<Eigen::Index>(recording.times.size() - overlay.first);
   Eigen::MatrixXd u(system.nu(), count);

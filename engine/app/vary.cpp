@@ -7,6 +7,7 @@
 #include "app/failure.hpp"
 #include "app/parallel.hpp"
 #include "app/progress.hpp"
+#include "app/transient.hpp"
 #include "app/varied_scene.hpp"
 #include "solve/simulate.hpp"
 #include "solve/start.hpp"
@@ -94,16 +95,14 @@ bool simulate_one(const Compiled& compiled, std::vector<double>& values) {
   const VaryOptions& vary = compiled.options.vary;
   const State start =
       reference_state(system, compiled.options, options.from == SimulateOptions::From::equilibrium, options.from_time);
-  Blocks blocks(system);
-  Vector row;
+  Meter meter(system, vary.of);
   Accumulator figures;
   Observer observer;
-  observer.output = [&](const State& state) {
-    measure(system, state, vary.of, blocks, row);
-    figures.take(state.t, row);
-  };
+  observer.output = [&](const State& state) { figures.take(state.t, meter.read(state)); };
   observer.progress = [](double, double) { return !InterruptGuard::interrupted(); };
-  if (simulate(system, options, start, observer).stopped) return false;
+  const Simulation simulation = simulate(system, options, start, observer);
+  if (simulation.stopped) return false;
+  if (const auto fault = energy_fault(simulation)) throw AnalysisError(*fault);
   values.push_back(figures.time());
   for (std::size_t output = 0; output < vary.of.size(); ++output) {
     for (const Figure figure : vary.figures) values.push_back(figures.figure(output, figure));

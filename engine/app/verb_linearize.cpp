@@ -123,7 +123,7 @@ int run(const Arguments& arguments) {
   const Context context = load(arguments);
   if (context.options().linearize.form == LinearizeOptions::Form::descriptor) return run_descriptor(context);
   if (!context.options().linearize.times.empty()) return run_along(context);
-  const Linearization linear = linearize(context);
+  const Linearization linear = linearize_outputs(context);
   const LinearModel& model = linear.model;
   std::string out = "dX/dt = A X + B u,  y = C X + D u,  all SI\n\n" +
                     as_text(sizes_table(sizes_of(context.system(), &linear.partition)));

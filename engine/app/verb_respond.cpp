@@ -186,7 +186,7 @@ void write_files(const Arguments& arguments, const LinearModel& model, const std
 
 int run(const Arguments& arguments) {
   const Context context = load(arguments);
-  const Linearization linear = linearize(context);
+  const Linearization linear = linearize_outputs(context);
   const LinearModel& model = linear.model;
   if (model.inputs.empty()) {
     throw AnalysisError("respond", "a scene without inputs", "at least one signal or pressure source",

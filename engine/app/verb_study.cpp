@@ -71,6 +71,7 @@ void simulate_study(const Context& context, Folder& folder, StudyResults& result
   }
   csv.commit();
   folder.files().emplace_back("time_series.csv");
+  if (const auto fault = energy_fault(results.transient->simulation)) results.remarks.emplace_back(fault->what());
   if (results.transient->interrupted) {
     results.remarks.push_back("The simulation was interrupted at t = " + short_number(results.transient->last_time) +
                               " s.");
@@ -159,7 +160,7 @@ int run(const Arguments& arguments) {
     results.equilibrium = find_equilibrium(context.system(), context.options().equilibrium, context.start_time());
     folder.write("equilibrium.json", equilibrium_document(context.system(), *results.equilibrium));
   }
-  results.linear = linearize(context);
+  results.linear = linearize_outputs(context);
   folder.write("linear_model.json", linear_document(context.system(), results.linear));
   results.census = census_of(context.system(), results.linear);
   folder.write("spectrum.json", spectrum_document(context.system(), results.linear, results.census));

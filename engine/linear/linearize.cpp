@@ -409,6 +409,11 @@ Linearizer::Row Linearizer::output_row(const Measured& y) const {
     case Measured::Kind::zdot: return {&Linearizer::follows_, n + rows + y.index};
     case Measured::Kind::input: return {&Linearizer::moves_, 2 * n + nz + y.index};
     case Measured::Kind::y: return {&Linearizer::of_components_, y.index};
+    case Measured::Kind::energy:
+    case Measured::Kind::power:
+      throw AnalysisError(
+          "linearize", "the output " + y.name + " has no row in C", "variables, multipliers and outputs of components",
+          "take energies and powers out of the scene's outputs; `simulate` and `vary` have them", "/outputs");
     case Measured::Kind::lambda: break;
   }
   const auto undetermined = [&](const RedundantRow& redundant) {

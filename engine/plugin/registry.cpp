@@ -134,6 +134,10 @@ std::string defect(const bramah_type& type, std::string_view library) {
   collect("variable", type.variables, type.variable_count, variables, fault);
   collect("output", type.outputs, type.output_count, variables, fault);
   collect("terminal", type.terminals, type.terminal_count, terminals, fault);
+  for (const char* taken : {"energy", "power"}) {
+    if (fault.empty() && variables.contains(taken))
+      fault = std::string("\"") + taken + "\" is a variable or an output; every component has one already";
+  }
   std::set<std::string> rows;
   collect("constraint", type.holonomic, type.holonomic_count, rows, fault);
   collect("constraint", type.nonholonomic, type.nonholonomic_count, rows, fault);

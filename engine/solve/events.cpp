@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "system/measure.hpp"
-
 namespace bramah {
 namespace {
 
@@ -21,13 +19,16 @@ Events::Events(const System& system, const SimulateOptions& options, Kkt& kkt)
     for (const Switches::Info& info : switches_.info()) nominal_.push_back(info.nominal);
   }
   switching_ = nominal_.size();
+  std::vector<Measured> watched;
   for (const EventOptions& condition : conditions_) {
-    measured_.push_back(condition.of);
+    watched.push_back(condition.of);
     nominal_.push_back(condition.level == 0.0 ? 1.0 : std::abs(condition.level));
     using Kind = Measured::Kind;
     const Kind kind = condition.of.kind;
-    needs_forces_ |= kind == Kind::a || kind == Kind::zdot || kind == Kind::lambda || kind == Kind::y;
+    needs_forces_ |=
+        kind == Kind::a || kind == Kind::zdot || kind == Kind::lambda || kind == Kind::y || kind == Kind::power;
   }
+  meter_.emplace(system, std::move(watched));
   signs_.assign(nominal_.size(), 0);
 }
 
@@ -46,8 +47,8 @@ const Vector& Events::evaluate(State& state) {
   if (switching_ > 0) values_ = switches_.evaluate(state);
   if (conditions_.empty()) return values_;
   if (needs_forces_) kkt_.complete(state, blocks_);
-  measure(system_, state, measured_, blocks_, watched_);
-  for (std::size_t k = 0; k < conditions_.size(); ++k) values_.push_back(watched_[k] - conditions_[k].level);
+  const Vector& watched = meter_->read(state);
+  for (std::size_t k = 0; k < conditions_.size(); ++k) values_.push_back(watched[k] - conditions_[k].level);
   return values_;
 }
 

@@ -8,6 +8,7 @@
 
 #include "solve/kkt.hpp"
 #include "system/blocks.hpp"
+#include "system/measure.hpp"
 #include "system/options.hpp"
 #include "system/switches.hpp"
 
@@ -47,10 +48,10 @@ class Events {
   Switches switches_;
   std::size_t switching_;  // how many of the events are switching functions
   std::vector<EventOptions> conditions_;
-  std::vector<Measured> measured_;
-  bool needs_forces_ = false;  // a condition watches what only the KKT solve gives
+  bool needs_forces_ = false;   // a condition watches what only the KKT solve gives
+  std::optional<Meter> meter_;  // of what conditions watch
   Blocks blocks_;
-  Vector values_, watched_, nominal_, before_;
+  Vector values_, nominal_, before_;
   std::vector<int> signs_;  // side of each event; 0: on its zero since the start
 };
 

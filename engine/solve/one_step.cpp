@@ -4,6 +4,7 @@
 #include <arkode/arkode_arkstep.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
 
@@ -17,6 +18,39 @@ namespace {
 
 using sundials::check;
 using sundials::data;
+
+/// Interpolation through the states at the ends of the last steps. On slow motions of a stiff system it is smooth where
+/// slopes are not: they hold the error of a fast variable times its rate.
+class EndsOfSteps {
+ public:
+  static constexpr std::size_t most = 5;
+
+  void clear() { count_ = 0; }
+  void add(double t, const double* y, std::size_t size) {
+    std::rotate(times_.begin(), times_.end() - 1, times_.end());
+    std::rotate(states_.begin(), states_.end() - 1, states_.end());
+    times_[0] = t;
+    states_[0].assign(y, y + size);
+    count_ = std::min(count_ + 1, most);
+  }
+  /// Whether there are enough of them for a cubic.
+  [[nodiscard]] bool enough() const { return count_ >= 4; }
+  void interpolate(double t, double* y) const {
+    for (std::size_t i = 0; i < states_[0].size(); ++i) y[i] = 0.0;
+    for (std::size_t k = 0; k < count_; ++k) {
+      double weight = 1.0;
+      for (std::size_t j = 0; j < count_; ++j) {
+        if (j != k) weight *= (t - times_[j]) / (times_[k] - times_[j]);
+      }
+      for (std::size_t i = 0; i < states_[k].size(); ++i) y[i] += weight * states_[k][i];
+    }
+  }
+
+ private:
+  std::size_t count_ = 0;
+  std::array<double, most> times_{};  // the latest first
+  std::array<Vector, most> states_;
+};
 
 class OneStep final : public Integrator {
  public:
@@ -77,6 +111,7 @@ class OneStep final : public Integrator {
   void* ark_ = nullptr;
   double t_ = 0.0, end_ = 0.0, gamma_ = 0.0;
   Vector correction_;
+  EndsOfSteps ends_;  // of the implicit method
   long jacobians_ = 0, factorizations_ = 0;
   std::string trouble_, singular_;
   std::exception_ptr exception_;
@@ -180,6 +215,8 @@ void OneStep::begin(const State& state, double end) {
     check(ARKStepReset(ark_, t_, y_.get()), "ARKStepReset");
   }
   check(ARKStepSetStopTime(ark_, end), "ARKStepSetStopTime");
+  ends_.clear();
+  if (implicit_) ends_.add(t_, data(y_), correction_.size());
 }
 
 double OneStep::step() {
@@ -189,6 +226,7 @@ double OneStep::step() {
   if (!(t_ > before)) fail(ARK_TOO_MUCH_WORK);
   trouble_.clear();
   singular_.clear();
+  if (implicit_) ends_.add(t_, data(y_), correction_.size());
   return t_;
 }
 
@@ -197,7 +235,11 @@ void OneStep::interpolate(double t, State& state) {
     load(t, data(y_), state);
     return;
   }
-  check(ARKStepGetDky(ark_, t, 0, weights_.get()), "ARKStepGetDky");
+  if (ends_.enough()) {
+    ends_.interpolate(t, data(weights_));
+  } else {
+    check(ARKStepGetDky(ark_, t, 0, weights_.get()), "ARKStepGetDky");
+  }
   load(t, data(weights_), state);
 }
 

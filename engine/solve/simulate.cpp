@@ -71,6 +71,7 @@ class Run {
         integrator_(*chosen_.integrator),
         blocks_(system),
         kkt_(system, choose_partition(system, start).rows),
+        book_(system, kkt_.rows()),
         events_(system, options, kkt_),
         schedule_(options, start.t),
         state_(start),
@@ -99,6 +100,7 @@ class Run {
   Integrator& integrator_;
   Blocks blocks_;
   Kkt kkt_;
+  EnergyBook book_;
   Events events_;
   Schedule schedule_;
   State state_, shown_;  // reached; where an output is made
@@ -119,6 +121,7 @@ void Run::begin_segment() {
   integrator_.begin(state_, segment_end_);
   if (!memory_.empty()) integrator_.recall(std::exchange(memory_, {}));
   events_.arm(state_);
+  book_.begin(state_);
   if (started_) ++result_.statistics.restarts;
   started_ = true;
 }
@@ -212,6 +215,7 @@ void Run::march_segment() {
       integrator_.interpolate(reached, state_);
     }
     note_step(step);
+    book_.step(state_, interpolate, shown_);
     if (reached >= segment_end_ || (!hit && schedule_.every_step())) {
       emit(reached);
       schedule_.pass(reached);
@@ -256,6 +260,7 @@ void Run::conclude(double seconds) {
   static_cast<IntegratorWork&>(s) = integrator_.work();
   s.integrator = std::string(integrator_.name()) + (chosen_.reason.empty() ? "" : ", chosen: " + chosen_.reason);
   s.seconds = seconds;
+  s.energy = book_.balance();
   const auto most = std::max_element(limited_.begin(), limited_.end());
   if (most != limited_.end() && *most > 0) {
     s.limiting = variable_name(system_, most - limited_.begin());

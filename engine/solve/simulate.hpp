@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "solve/energy_book.hpp"
 #include "solve/integrator.hpp"
 #include "solve/partition.hpp"
 #include "system/options.hpp"
@@ -25,6 +26,7 @@ struct SimulationStatistics : IntegratorWork {
   double smallest_step = 0.0, largest_step = 0.0;
   std::string limiting;       // the variable that limited most steps
   double limiting_share = 0;  // of the steps
+  EnergyBalance energy;
   double seconds = 0.0;
   double seconds_integrating = 0.0, seconds_events = 0.0, seconds_outputs = 0.0;  // where they went
 };

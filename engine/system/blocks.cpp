@@ -170,6 +170,7 @@ Outcome Blocks::evaluate_all(const System& system, const State& state, const Dir
         if (along != nullptr) status = add_moving_reactions(group, run, batch);
       }
       if (status != 0) return failure(system, group, first + batch.failed, status, batch.message);
+      if (request.listener != nullptr) request.listener->hear(group, first, batch);
       for (Index i = 0; i < count; ++i) {
         const auto instance = static_cast<std::size_t>(first + i);
         for (Index j = 0; batch.f != nullptr && j < type.nx; ++j) {

@@ -20,11 +20,20 @@ enum class ColumnFamily { x, z, u, lambda };
 RowFamily row_family(int block);
 ColumnFamily column_family(int block);
 
+/// Hears of rows one by one, before they are summed into balances.
+class RowListener {
+ public:
+  virtual ~RowListener() = default;
+  /// After each call of a type's `evaluate`, for batch.count instances of the group from `first` on: their inputs and rows.
+  virtual void hear(const Group& group, Index first, const bramah_batch& batch) = 0;
+};
+
 /// What to evaluate: rows by name, partials by block.
 struct Request {
   bool f = false, g = false, c = false, r = false, s = false, y = false;
   bool multiplier_forces = true;  // f contains D^T lambda (needs block R_V, which is then evaluated as well)
   std::array<bool, BRAMAH_BLOCKS> block{};
+  RowListener* listener = nullptr;
 
   Request& rows(std::string_view letters);
   Request& blocks(std::initializer_list<int> list);

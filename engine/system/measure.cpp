@@ -2,12 +2,27 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
+#include <utility>
 
 #include "system/analysis_error.hpp"
 #include "system/compile_parts.hpp"
+#include "system/scene.hpp"
 
 namespace bramah {
 namespace {
+
+bool visit_energetic(const System& s, const std::function<bool(const Measured&)>& visit) {
+  using K = Measured::Kind;
+  for (std::size_t c = 0; c < s.components.size(); ++c) {
+    const Component& component = s.components[c];
+    const auto i = static_cast<Index>(c);
+    if (component.type == nullptr) continue;  // it has faults
+    if (says_energy(*component.type) && !visit({K::energy, i, component.name + ".energy", "J"})) return false;
+    if (!visit({K::power, i, component.name + ".power", "W"})) return false;
+  }
+  return visit({K::energy, -1, "energy", "J"}) && visit({K::power, -1, "power", "W"});
+}
 
 /// Names and finders of one kind of measurement, visited in a fixed order.
 void visit_measured(const System& s, const std::function<bool(const Measured&)>& visit) {
@@ -38,7 +53,8 @@ void visit_measured(const System& s, const std::function<bool(const Measured&)>&
       each(
           K::y, s.ny(), [&](size_t i) { return s.outputs[i].name; }, [&](size_t i) { return s.outputs[i].unit; }) &&
       each(
-          K::input, s.nu(), [&](size_t i) { return s.inputs[i].name; }, [&](size_t i) { return s.inputs[i].unit; });
+          K::input, s.nu(), [&](size_t i) { return s.inputs[i].name; }, [&](size_t i) { return s.inputs[i].unit; }) &&
+      visit_energetic(s, visit);
 }
 
 }  // namespace
@@ -63,27 +79,59 @@ std::vector<std::string> measured_names(const System& system) {
   return names;
 }
 
-void measure(const System& system, const State& state, std::span<const Measured> columns, Blocks& blocks,
-             Vector& values) {
-  if (std::any_of(columns.begin(), columns.end(), [](const Measured& m) { return m.kind == Measured::Kind::y; })) {
-    const Outcome outcome = blocks.evaluate(system, state, Request{}.rows("y"));
+namespace {
+
+bool is_output(const Measured& m) { return m.kind == Measured::Kind::y; }
+bool is_energetic(const Measured& m) { return m.kind == Measured::Kind::energy || m.kind == Measured::Kind::power; }
+bool is_energy_of_whole(const Measured& m) { return m.kind == Measured::Kind::energy && m.index < 0; }
+
+}  // namespace
+
+Meter::Meter(const System& system, std::vector<Measured> columns)
+    : system_(system), columns_(std::move(columns)), values_(columns_.size()) {
+  if (std::any_of(columns_.begin(), columns_.end(), is_output)) blocks_ = std::make_unique<Blocks>(system);
+  if (std::any_of(columns_.begin(), columns_.end(), is_energetic)) energies_ = std::make_unique<Energies>(system);
+}
+
+void Meter::read_energies(const State& state) {
+  const Outcome outcome = energies_->evaluate(state, true);
+  if (!outcome.ok())
+    throw AnalysisError("outputs", outcome.message, "finite energies", "take energies and powers out of the outputs");
+  if (energies_->unsaid().empty() || std::none_of(columns_.begin(), columns_.end(), is_energy_of_whole)) return;
+  const Component& mute = system_.components[static_cast<std::size_t>(energies_->unsaid().front())];
+  throw AnalysisError("outputs",
+                      "the energy of the whole is asked for, but not all that " + mute.name + " (" + mute.type->name +
+                          ") stores is in its energy",
+                      "types with a function `energy`", "ask for energies of other components by name",
+                      pointer("/components", mute.name));
+}
+
+const Vector& Meter::read(const State& state) {
+  if (blocks_ != nullptr) {
+    const Outcome outcome = blocks_->evaluate(system_, state, Request{}.rows("y"));
     if (!outcome.ok())
       throw AnalysisError("outputs", outcome.message, "finite outputs", "take the output out of the scene");
   }
-  values.resize(columns.size());
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    const auto i = static_cast<std::size_t>(columns[k].index);
-    switch (columns[k].kind) {
-      case Measured::Kind::x: values[k] = state.x[i]; break;
-      case Measured::Kind::v: values[k] = state.v[i]; break;
-      case Measured::Kind::a: values[k] = state.a[i]; break;
-      case Measured::Kind::z: values[k] = state.z[i]; break;
-      case Measured::Kind::zdot: values[k] = state.zdot[i]; break;
-      case Measured::Kind::lambda: values[k] = state.lambda[i]; break;
-      case Measured::Kind::y: values[k] = blocks.y[i]; break;
-      case Measured::Kind::input: values[k] = state.z[system.z.size() + i]; break;
+  if (energies_ != nullptr) read_energies(state);
+  const auto part = [](const Vector& all, const Measured& of) {
+    return of.index < 0 ? std::accumulate(all.begin(), all.end(), 0.0) : all[static_cast<std::size_t>(of.index)];
+  };
+  for (std::size_t k = 0; k < columns_.size(); ++k) {
+    const auto i = static_cast<std::size_t>(columns_[k].index);
+    switch (columns_[k].kind) {
+      case Measured::Kind::x: values_[k] = state.x[i]; break;
+      case Measured::Kind::v: values_[k] = state.v[i]; break;
+      case Measured::Kind::a: values_[k] = state.a[i]; break;
+      case Measured::Kind::z: values_[k] = state.z[i]; break;
+      case Measured::Kind::zdot: values_[k] = state.zdot[i]; break;
+      case Measured::Kind::lambda: values_[k] = state.lambda[i]; break;
+      case Measured::Kind::y: values_[k] = blocks_->y[i]; break;
+      case Measured::Kind::input: values_[k] = state.z[system_.z.size() + i]; break;
+      case Measured::Kind::energy: values_[k] = part(energies_->energy(), columns_[k]); break;
+      case Measured::Kind::power: values_[k] = part(energies_->power(), columns_[k]); break;
     }
   }
+  return values_;
 }
 
 }  // namespace bramah

@@ -13,9 +13,9 @@ namespace bramah {
 
 /// A named number of a system: what outputs, tables and messages refer to.
 struct Measured {
-  enum class Kind { x, v, a, z, zdot, lambda, y, input };
+  enum class Kind { x, v, a, z, zdot, lambda, y, input, energy, power };
   Kind kind = Kind::x;
-  Index index = 0;
+  Index index = 0;  // energy, power: of a component, -1 for the whole
   std::string name, unit;
 };
 
@@ -136,7 +136,8 @@ struct Options {
 };
 
 /// The measurement called `name` ("crank.angle", "crank.angle.rate", "hinge.lambda_x", "cylinder.force"); false where
-/// there is none. Suffix ".rate" is the time derivative of x or z, ".acceleration" the second of x.
+/// there is none. Suffix ".rate" is the time derivative of x or z, ".acceleration" the second of x; "cylinder.energy" and
+/// "cylinder.power" are those of Energies, "energy" and "power" their sums.
 bool find_measured(const System& system, std::string_view name, Measured& found);
 /// Every name that find_measured knows, for suggestions.
 std::vector<std::string> measured_names(const System& system);

@@ -125,20 +125,35 @@ struct FourBar {
     C(cylinder_Z) = r_OcG2[2] - r_O1G2[2];
   }
 
-  // M(x) xddot - Q of three slender rods that fall freely.
-  template <class T>
-  void balance(const bramah::At<T>& at, bramah::Rows<T>& rows) const {
+  // Calls add(mass, point) for particles that have the mass, centre and inertia of the three slender rods. Simpson's rule:
+  // m/6, 4m/6, m/6 at the ends and the middle give m, its centre, and 2 (m/6) (L/2)^2 = m L^2 / 12 about both normals,
+  // and nothing about the axis. Nothing is approximated.
+  template <class Add>
+  void for_particles(const Add& add) const {
     const auto rod = [&](const Parameter& mass, const Parameter& first, const Parameter& length, const auto& point) {
-      // Simpson's rule: m/6, 4m/6, m/6 at the ends and the middle have the mass m, the centre of mass and the inertia
-      // 2 (m/6) (L/2)^2 = m L^2 / 12 of the rod, about both normals, and none about its axis. Nothing is approximated.
       for (int k = 0; k < 3; ++k) {
         const Parameter eta = first + 0.5 * k * length, share = k == 1 ? mass * 4.0 / 6.0 : mass / 6.0;
-        bramah::add_particle<10>(at, rows, share, at(gravity), [&](const auto& there) { return point(there, eta); });
+        add(share, [&](const auto& there) { return point(there, eta); });
       }
     };
     rod(m_2, -0.5 * L_2, L_2, [&](const auto& there, const Parameter& eta) { return r2(there, eta); });
     rod(m_3, 0.0, L_3, [&](const auto& there, const Parameter& eta) { return r3(there, eta); });
     rod(m_4, 0.0, L_4, [&](const auto& there, const Parameter& eta) { return r4(there, eta); });
+  }
+  // M(x) xddot - Q of three rods that fall freely.
+  template <class T>
+  void balance(const bramah::At<T>& at, bramah::Rows<T>& rows) const {
+    for_particles([&](const Parameter& mass, const auto& point) {
+      bramah::add_particle<10>(at, rows, mass, at(gravity), point);
+    });
+  }
+  template <class T>
+  T energy(const bramah::At<T>& at) const {
+    T sum = T(0.0);
+    for_particles([&](const Parameter& mass, const auto& point) {
+      sum += bramah::particle_energy<10>(at, mass, at(gravity), point);
+    });
+    return sum;
   }
 };
 

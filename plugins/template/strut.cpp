@@ -30,6 +30,10 @@ struct SpringDamper {
     rows.apply(along, force(at));
   }
   template <class T>
+  T energy(const bramah::At<T>& at) const {
+    return 0.5 * k * square(at(along) - s_0);
+  }
+  template <class T>
   void output(const bramah::At<T>& at, bramah::Values<T>& y) const {
     y(force_out) = force(at);
   }

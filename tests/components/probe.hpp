@@ -73,6 +73,18 @@ class Probe {
     }
     return out;
   }
+  struct Stored {
+    double energy = 0.0, rate = 0.0;  // J; W, along v, a and zdot
+  };
+  [[nodiscard]] Stored stored() {
+    Stored out;
+    const bramah_batch b = batch();
+    const bramah_direction along{
+        sizeof(bramah_direction), v.data(), a.data(), nullptr, zdot.data(), nullptr, nullptr, nullptr};
+    const auto* energy = static_cast<const bramah_energy*>(type.extension(type.self, BRAMAH_EXTENSION_ENERGY));
+    if (energy->values(type.self, &b, &along, &out.energy, &out.rate) != 0) throw std::runtime_error(b.message);
+    return out;
+  }
   /// One partial; 0 outside the pattern.
   [[nodiscard]] double partial(int block, std::size_t row, std::size_t column) {
     std::vector<double> numbers(rows_[block].size());

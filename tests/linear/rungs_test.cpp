@@ -111,9 +111,10 @@ TEST(Rungs, ReportSizesAndTimes) {
   EXPECT_EQ(machine.on(Rung::pencil).size, 2 * n + m + nz);
   for (const Rung rung : all_rungs) {
     const Contender contender = machine.on(rung);
-    EXPECT_GT(contender.cost.assembly, 0.0) << name_of(rung);
-    EXPECT_GT(contender.cost.reduction, 0.0) << name_of(rung);
-    EXPECT_GT(contender.cost.eigenvalues, 0.0) << name_of(rung);
+    // Measured, that is: not NaN. On a busy machine a difference of two times may be zero.
+    EXPECT_GE(contender.cost.assembly, 0.0) << name_of(rung);
+    EXPECT_GE(contender.cost.reduction, 0.0) << name_of(rung);
+    EXPECT_GE(contender.cost.eigenvalues, 0.0) << name_of(rung);
   }
 }
 

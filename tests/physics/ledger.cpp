@@ -111,7 +111,8 @@ void Ledger::take_in(const Component& component) {
   } else if (type == "friction/brown_mcphee" || type == "friction/stick_slip") {
     frictions_.push_back({part.x("along"), part.y("force")});
   } else if (type == "mechanics/end_stop") {
-    stops_.push_back({part.y("depth"), part.y("power"), part.number("stiffness")});
+    stops_.push_back({part.x("along"), part.y("force"), part.y("depth"),
+                      0.5 * (part.number("lower") + part.number("upper")), part.number("stiffness")});
   } else if (type == "mechanics/planar_body") {
     const std::size_t g = part.u("gravity");
     bodies_.push_back({part.x("x"), part.number("mass"), part.number("inertia"), {g, g + 1}});
@@ -211,7 +212,10 @@ void Ledger::add(const State& state, double weight) {
     }
   }
   for (const Friction& f : frictions_) dissipated_ += weight * y[f.force] * state.v[f.along];
-  for (const Stop& stop : stops_) dissipated_ += weight * y[stop.power];
+  for (const Stop& stop : stops_) {
+    const double speed = state.v[stop.along], away = state.x[stop.along] < stop.middle ? 1.0 : -1.0;
+    dissipated_ -= weight * speed * (y[stop.force] - stop.stiffness * y[stop.depth] * away);
+  }
   for (const Bushing& b : bushings_) {
     const Pair v = velocity(state, b.body, b.point_b);
     dissipated_ += weight * (b.damping[0] * v[0] * v[0] + b.damping[1] * v[1] * v[1]);

@@ -75,8 +75,8 @@ class Ledger {
     std::size_t along, force;
   };
   struct Stop {
-    std::size_t depth, power;
-    double stiffness;
+    std::size_t along, force, depth;
+    double middle, stiffness;
   };
   struct Body {
     std::size_t frame;

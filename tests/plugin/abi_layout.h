@@ -54,6 +54,6 @@ typedef struct layout_entry {
       AT(bramah_direction, a), AT(bramah_direction, z), AT(bramah_direction, zdot), AT(bramah_direction, u),           \
       AT(bramah_direction, lambda), SIZE(bramah_tangent), AT(bramah_tangent, differentiable),                          \
       AT(bramah_tangent, configure), AT(bramah_tangent, evaluate), AT(bramah_tangent, start),                          \
-      AT(bramah_tangent, constants), AT(bramah_tangent, signal)
+      AT(bramah_tangent, constants), AT(bramah_tangent, signal), SIZE(bramah_energy), AT(bramah_energy, values)
 
 #endif

@@ -162,6 +162,8 @@ constexpr layout_entry frozen[] = {
     {"bramah_tangent.start", 32},
     {"bramah_tangent.constants", 40},
     {"bramah_tangent.signal", 48},
+    {"bramah_energy", 16},
+    {"bramah_energy.values", 8},
 };
 
 TEST(Abi, LayoutIsFrozen) {
@@ -198,6 +200,7 @@ TEST(Abi, StructsBeginWithTheirSize) {
   EXPECT_EQ(offsetof(bramah_switches, size), 0U);
   EXPECT_EQ(offsetof(bramah_direction, size), 0U);
   EXPECT_EQ(offsetof(bramah_tangent, size), 0U);
+  EXPECT_EQ(offsetof(bramah_energy, size), 0U);
 }
 
 TEST(Abi, StructsArePlainData) {
@@ -208,12 +211,13 @@ TEST(Abi, StructsArePlainData) {
 
 TEST(Abi, NumbersAreFrozen) {
   EXPECT_EQ(BRAMAH_ABI_EPOCH, 1);
-  EXPECT_EQ(BRAMAH_ABI_MINOR, 1);
+  EXPECT_EQ(BRAMAH_ABI_MINOR, 2);
   EXPECT_STREQ(BRAMAH_ENTRY_POINT, "bramah_library_v1");
   EXPECT_STREQ(BRAMAH_EXTENSION_CONSTANTS, "bramah.constants/1");
   EXPECT_STREQ(BRAMAH_EXTENSION_SIGNAL, "bramah.signal/1");
   EXPECT_STREQ(BRAMAH_EXTENSION_SWITCHES, "bramah.switches/1");
   EXPECT_STREQ(BRAMAH_EXTENSION_TANGENT, "bramah.tangent/1");
+  EXPECT_STREQ(BRAMAH_EXTENSION_ENERGY, "bramah.energy/1");
   const std::array<int, 3> families = {BRAMAH_X, BRAMAH_Z, BRAMAH_U};
   const std::array<int, 5> kinds = {BRAMAH_NUMBER, BRAMAH_VECTOR, BRAMAH_LIST, BRAMAH_CHOICE, BRAMAH_TEXT};
   const std::array<int, 3> sources = {BRAMAH_OWN, BRAMAH_CONSTANT, BRAMAH_SIGNAL};

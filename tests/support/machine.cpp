@@ -14,10 +14,7 @@ std::shared_ptr<Registry> registry() {
 double Machine::value(const State& state, const std::string& name) const {
   Measured found;
   if (!find_measured(system(), name, found)) throw std::runtime_error("no variable " + name);
-  Blocks blocks(system());
-  Vector values;
-  measure(system(), state, {&found, 1}, blocks, values);
-  return values[0];
+  return Meter(system(), {found}).read(state)[0];
 }
 
 Machine load(const std::string& file, const std::vector<std::string>& settings) {

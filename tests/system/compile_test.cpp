@@ -15,6 +15,7 @@
 #include "support/machine.hpp"
 #include "support/numbers.hpp"
 #include "system/blocks.hpp"
+#include "system/energies.hpp"
 
 namespace bramah {
 namespace {
@@ -371,7 +372,10 @@ TEST(Measured, KnowsEveryNameOnce) {
   const System& s = result.system;
   const std::vector<std::string> all = measured_names(s);
   EXPECT_EQ(std::set<std::string>(all.begin(), all.end()).size(), all.size());
-  EXPECT_EQ(static_cast<Index>(all.size()), 3 * s.n() + 2 * s.nz() + s.m() + s.l() + s.ny() + s.nu());
+  const auto storing =
+      std::count_if(s.components.begin(), s.components.end(), [](const Component& c) { return says_energy(*c.type); });
+  const auto energetic = static_cast<Index>(s.components.size()) + storing + 2;  // powers, energies, both of the whole
+  EXPECT_EQ(static_cast<Index>(all.size()), 3 * s.n() + 2 * s.nz() + s.m() + s.l() + s.ny() + s.nu() + energetic);
   for (const std::string& name : all) {
     Measured found;
     EXPECT_TRUE(find_measured(s, name, found)) << name;
@@ -387,6 +391,10 @@ TEST(Measured, KnowsEveryNameOnce) {
 
 TEST(Measured, TellsKindAndUnit) {
   const Compiled result = compiled(scene(machine));
+  const auto s_index = [&](const std::string& name) -> Index {
+    const auto& list = result.system.components;
+    return std::find_if(list.begin(), list.end(), [&](const Component& c) { return c.name == name; }) - list.begin();
+  };
   const auto expect = [&](const std::string& name, Measured::Kind kind, Index index, const std::string& unit) {
     Measured found;
     ASSERT_TRUE(find_measured(result.system, name, found)) << name;
@@ -402,6 +410,10 @@ TEST(Measured, TellsKindAndUnit) {
   expect("knee.lambda_y", Measured::Kind::lambda, 3, "N");
   expect("leak.flow", Measured::Kind::y, 3, "m^3/s");
   expect("torque", Measured::Kind::input, 1, "N.m");
+  expect("rod.energy", Measured::Kind::energy, s_index("rod"), "J");
+  expect("leak.power", Measured::Kind::power, s_index("leak"), "W");
+  expect("energy", Measured::Kind::energy, -1, "J");
+  expect("power", Measured::Kind::power, -1, "W");
 }
 
 TEST(System, NamesMultipliersAfterTheirRows) {

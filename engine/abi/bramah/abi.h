@@ -33,7 +33,7 @@ extern "C" {
 #endif
 
 #define BRAMAH_ABI_EPOCH 1 /* changes break; the exported name carries it */
-#define BRAMAH_ABI_MINOR 1 /* additions at the end of structs and new extensions */
+#define BRAMAH_ABI_MINOR 2 /* additions at the end of structs and new extensions */
 
 enum bramah_family { BRAMAH_X = 0, BRAMAH_Z = 1, BRAMAH_U = 2 };
 
@@ -253,6 +253,17 @@ typedef struct bramah_tangent {
   void (*constants)(const void* self, const void* instance, double* values);
   double (*signal)(const void* self, const void* instance, double t, int32_t side);
 } bramah_tangent;
+
+#define BRAMAH_EXTENSION_ENERGY "bramah.energy/1"
+/* What instances store, J: a function of x, v, z and constant u alone. From it and the rows follows the power that a
+ * component brings into the machine. */
+typedef struct bramah_energy {
+  size_t size;
+  /* Writes one number per instance: the energy, and its derivative by eps where x, v, z move along `direction`. Reads x, v,
+   * z, u of the batch. Status as in evaluate. */
+  int (*values)(const void* self, const bramah_batch* batch, const bramah_direction* direction, double* energy,
+                double* rate);
+} bramah_energy;
 
 #ifdef __cplusplus
 }

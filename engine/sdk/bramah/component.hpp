@@ -5,6 +5,7 @@
 //   template <class T> void holonomic(const bramah::Positions<T>&, bramah::Values<T>&) const;  c(t, x) = 0
 //   template <class T> void nonholonomic(const bramah::Motion<T>&, bramah::Values<T>&) const;  b(t, x, v) = 0, linear in v
 //   template <class T> void output(const bramah::At<T>&, bramah::Values<T>&) const;            measurements
+//   template <class T> T energy(const bramah::At<T>&) const;                                   what it stores, J
 //   template <class T> void switches(const bramah::At<T>&, bramah::Values<T>&) const;          kinks of the law
 //   void check(bramah::Faults&) const;                                                         limits across parameters
 //   void start(bramah::Start&) const;                                                          start values
@@ -14,6 +15,7 @@
 
 #include "bramah/at.hpp"
 #include "bramah/describe.hpp"
+#include "bramah/energy.hpp"
 #include "bramah/export.hpp"
 #include "bramah/math.hpp"
 #include "bramah/measure.hpp"

@@ -11,6 +11,8 @@
 //   tangents     of rows and partials along the state, and by every parameter that is a Parameter, against differences;
 //                the same of start values, constants and signals
 //   structure    f_a symmetric; b linear in v
+//   energy       its rate against differences; E_v = f_a v and E_z = g_zdot z, so that what is stored is all that is stored;
+//                whoever has inertia says its energy
 //   evaluate     writes all it is asked for and no more; bit for bit repeatable, alone or in a batch; the same to 1e-12
 //                whatever else is asked for; allocates nothing (where the program defines bramah_allocation_count)
 //   signals      breakpoints advance; between them both one-sided limits agree
@@ -298,6 +300,7 @@ class Examination {
     examine_partials(base);
     examine_paths(base);
     examine_identities(base);
+    examine_energy(base);
     examine_repeatability(base);
     examine_tangents(base);
   }
@@ -777,6 +780,100 @@ class Examination {
       if (!(std::fabs(b2 - 2.0 * b1) <= 1e-12 * terms))
         fault(row_name(RATE, i), " is not linear in v: b(v) = ", b1, ", b(2v) = ", b2);
     }
+  }
+
+  // ---- energy ------------------------------------------------------------------------------------------------------
+  struct Stored {
+    double energy = std::numeric_limits<double>::quiet_NaN(), rate = energy;
+  };
+  /// The energy at `at`, and its derivative along x, v and z of `along`.
+  [[nodiscard]] Stored stored(const bramah_energy& energy, const LocalState& at, const LocalState& along) const {
+    bramah_batch b{};
+    b.size = sizeof b;
+    b.count = 1;
+    b.instances = memory_;
+    b.time = at.time;
+    b.side = sample_->side;
+    b.x = at.values[X].data(), b.v = at.values[V].data(), b.z = at.values[Z].data(), b.u = at.values[U].data();
+    const bramah_direction direction{sizeof(bramah_direction),
+                                     along.values[X].data(),
+                                     along.values[V].data(),
+                                     nullptr,
+                                     along.values[Z].data(),
+                                     nullptr,
+                                     nullptr,
+                                     nullptr};
+    Stored result;
+    if (energy.values(type_.self, &b, &direction, &result.energy, &result.rate) != 0) result = Stored{};
+    return result;
+  }
+  void examine_energy(const Evaluation& base) {
+    const auto* energy = extension<bramah_energy>(BRAMAH_EXTENSION_ENERGY);
+    if (energy == nullptr) {
+      const auto& inertia = full_[BRAMAH_F_A];
+      if (std::any_of(inertia.begin(), inertia.end(), [](double m) { return m != 0.0; }))
+        fault("it has inertia and no energy; give it a function `energy`");
+      return;
+    }
+    LocalState still = state_;
+    for (auto& list : still.values) std::fill(list.begin(), list.end(), 0.0);
+    examine_energy_of_motion(*energy, still);
+    examine_energy_of_storage(*energy, still);
+    examine_rate_of_energy(*energy, base);
+    LocalState later = state_;
+    later.time += 1.0;
+    if (stored(*energy, later, still).energy != stored(*energy, state_, still).energy)
+      fault("the energy depends on time itself");
+  }
+  void examine_energy_of_motion(const bramah_energy& energy, const LocalState& still) {
+    LocalState along = still;
+    along.values[V] = state_.values[V];
+    double sum = 0.0, size_of_sum = 0.0;
+    for (std::size_t i = 0; i < size(X); ++i) {
+      for (std::size_t j = 0; j < size(X); ++j) {
+        const double term = state_.values[V][i] * partial(F, A, i, j) * state_.values[V][j];
+        sum += term;
+        size_of_sum += std::fabs(term);
+      }
+    }
+    const double said = stored(energy, state_, along).rate;
+    if (!(std::fabs(said - sum) <= 1e-12 * size_of_sum))
+      fault("the energy's derivative by v, times v, is ", said, "; v . f_a v is ", sum);
+  }
+  void examine_energy_of_storage(const bramah_energy& energy, const LocalState& still) {
+    for (std::size_t i = 0; i < size(Z); ++i) {
+      LocalState along = still;
+      along.values[Z][i] = 1.0;
+      const double said = stored(energy, state_, along).rate;
+      if (said == 0.0) continue;
+      double sum = 0.0;
+      for (std::size_t j = 0; j < size(Z); ++j) sum += partial(G, ZDOT, i, j) * state_.values[Z][j];
+      if (!(std::fabs(said - sum) <= 1e-12 * std::fabs(said)))
+        fault("the energy's derivative by ", column_name(Z, i), " is ", said, "; g_zdot z is ", sum);
+    }
+  }
+  void examine_rate_of_energy(const bramah_energy& energy, const Evaluation& base) {
+    LocalState along = state_;
+    for (const Family f : {X, V, Z}) {
+      for (std::size_t j = 0; j < size(f); ++j) along.values[f][j] = scale_[f][j] * scatter(31, f, j);
+    }
+    bool leaves = false;
+    const auto look = [&](double t) {
+      LocalState s = state_;
+      for (const Family f : {X, V, Z}) {
+        for (std::size_t j = 0; j < size(f); ++j) s.values[f][j] += t * along.values[f][j];
+      }
+      leaves = leaves || evaluate({s}, {}).branch != base.branch;
+      return stored(energy, s, along).energy;
+    };
+    constexpr double h = 1e-3;
+    const double plus = look(h), minus = look(-h), narrow = look(0.5 * h) - look(-0.5 * h);
+    if (leaves) return;  // a kink is in the way
+    const auto [here, rate] = stored(energy, state_, along);
+    const double by_differences = (8.0 * narrow - (plus - minus)) / (6.0 * h);
+    const double size_of_terms = std::fabs(here) + std::fabs(rate) + std::fabs(plus) + std::fabs(minus);
+    if (!(std::fabs(by_differences - rate) <= 1e-7 * size_of_terms))
+      fault("the rate of the energy is ", rate, "; differences give ", by_differences);
   }
 
   void examine_repeatability(const Evaluation& base) {

@@ -38,6 +38,10 @@ concept HasSwitches = requires(const C& c, const At<Real>& at, Values<Real>& y) 
   c.switches(at, y);
 };
 template <class C>
+concept HasEnergy = requires(const C& c, const At<Epsilon<Real>>& at) {
+  { c.energy(at) } -> std::convertible_to<Epsilon<Real>>;
+};
+template <class C>
 concept HasCheck = requires(const C& c, Faults& faults) {
   c.check(faults);
 };
@@ -63,6 +67,7 @@ struct TypeEntry {
   bramah_signal signal{};
   bramah_switches switches{};
   bramah_tangent tangent{};
+  bramah_energy energy{};
 };
 
 template <class C>
@@ -231,11 +236,26 @@ struct Border {
     return 0;
   }
 
+  static int energy_values(const void* self, const bramah_batch* b, const bramah_direction* along, double* energy,
+                           double* rate) noexcept {
+    if constexpr (HasEnergy<C>) {
+      const auto* instances = static_cast<const C*>(b->instances);
+      for (std::size_t i = 0; i < static_cast<std::size_t>(b->count); ++i) {
+        Local<Epsilon<Real>> local(entry(self).type, *b, *along, i);
+        const Epsilon<Real> E = instances[i].energy(local.at(b->time, b->side));
+        energy[i] = E.v.value();
+        rate[i] = E.d.value();
+      }
+    }
+    return 0;
+  }
+
   static const void* extension(const void* self, const char* id) noexcept {
     const TypeEntry& e = entry(self);
     if (HasConstants<C> && std::strcmp(id, BRAMAH_EXTENSION_CONSTANTS) == 0) return &e.constants;
     if (HasSignal<C> && std::strcmp(id, BRAMAH_EXTENSION_SIGNAL) == 0) return &e.signal;
     if (HasSwitches<C> && std::strcmp(id, BRAMAH_EXTENSION_SWITCHES) == 0) return &e.switches;
+    if (HasEnergy<C> && std::strcmp(id, BRAMAH_EXTENSION_ENERGY) == 0) return &e.energy;
     if (std::strcmp(id, BRAMAH_EXTENSION_TANGENT) == 0) return &e.tangent;
     return nullptr;
   }
@@ -244,6 +264,7 @@ struct Border {
     e.signal = {sizeof(bramah_signal), &Border::signal, &Border::next_breakpoint};
     e.switches = {sizeof(bramah_switches), static_cast<std::int32_t>(e.tables.switches.size()),
                   e.tables.switches.data(), e.tables.switch_nominal.data(), &Border::switch_values};
+    e.energy = {sizeof(bramah_energy), &Border::energy_values};
     e.tangent = {sizeof(bramah_tangent),
                  e.tables.differentiable.data(),
                  &Border::configure_moving,

@@ -44,4 +44,21 @@ void add_particle(const At<T>& at, Rows<T>& rows, const Parameter& mass, const V
   }
 }
 
+/// Kinetic and potential energy (J) of that mass point.
+template <std::size_t nx, class T, class Position>
+T particle_energy(const At<T>& at, const Parameter& mass, const Vec3<T>& gravity, const Position& position) {
+  Taylor<T, 1> path[nx];
+  for (std::size_t j = 0; j < nx; ++j) {
+    path[j].c[0] = at.x()[j];
+    path[j].c[1] = at.v()[j];
+  }
+  Taylor<T, 1> clock(0.0);
+  clock.c[0] = at.time();
+  clock.c[1] = T(1.0);
+  const Vec3<Taylor<T, 1>> r = position(Positions<Taylor<T, 1>>(path, clock, 1));
+  T energy = T(0.0);
+  for (std::size_t k = 0; k < 3; ++k) energy += (square(r[k].c[1]) * 0.5 - gravity[k] * r[k].c[0]) * mass;
+  return energy;
+}
+
 }  // namespace bramah

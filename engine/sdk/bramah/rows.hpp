@@ -9,6 +9,13 @@ namespace bramah {
 /// written as the element of the matrix.
 using Inertia = std::array<Parameter, 6>;
 
+/// I w, N.m.s or N.m.
+template <class S>
+Vec3<S> times(const Inertia& I, const Vec3<S>& w) {
+  return {w[0] * I[0] + w[1] * I[3] + w[2] * I[4], w[0] * I[3] + w[1] * I[1] + w[2] * I[5],
+          w[0] * I[4] + w[1] * I[5] + w[2] * I[2]};
+}
+
 template <class T>
 class Rows {
  public:
@@ -82,11 +89,6 @@ class Rows {
 
  private:
   static std::size_t slot(Handle h, std::size_t k) { return static_cast<std::size_t>(h.slot) + k; }
-  template <class S>
-  static Vec3<S> times(const Inertia& I, const Vec3<S>& w) {
-    return {w[0] * I[0] + w[1] * I[3] + w[2] * I[4], w[0] * I[3] + w[1] * I[1] + w[2] * I[5],
-            w[0] * I[4] + w[1] * I[5] + w[2] * I[2]};
-  }
   const At<T>& at_;
   T *f_, *g_;
 };
