@@ -18,6 +18,8 @@ namespace {
 
 constexpr Eigen::Index kMostShown = 24;  // columns on a terminal; --json has all
 
+constexpr const char* kOptions[] = {"--output"};
+
 std::string matrix_text(const char* name, const Eigen::MatrixXd& matrix, const std::vector<NamedQuantity>& rows,
                         const std::vector<NamedQuantity>& columns) {
   std::string out =
@@ -142,7 +144,9 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 constinit const Verb verb_linearize = {
-    "linearize", "SCENE", "derive the linear model with the smallest possible Jacobian, exactly",
+    "linearize",
+    "SCENE",
+    "derive the linear model with the smallest possible Jacobian, exactly",
     R"(Linearizes about the equilibrium, or about the start state where the scene says "linearize": {"at": "start"}. The model
 has no dependent coordinates and no multipliers: its states are the independent coordinates, their rates, coordinates
 tied by nonholonomic constraints only, and the first-order variables. Derivatives are exact; where a law has a kink they
@@ -154,10 +158,13 @@ Examples
   bramah linearize scenes/four_bar/overdamped.json
   bramah linearize scenes/four_bar/overdamped.json --set linearize.side=- --json
 
+--output NAME   only these rows of C and D, any number of times
+
 --out DIR writes linear_model.json, A.csv, B.csv, C.csv, D.csv and linear_model.mat (MATLAB, Octave, SciPy, Julia).
 --json prints {"sizes": {"n","m","l","r","u","redundant","reduced","augmented"}, "states": [...], "inputs": [...],
 "outputs": [...], "A": [[...]], "B": [[...]], "C": [[...]], "D": [[...]], "units", "partition", "redundant_rows", ...}
 )",
-    run};
+    run,
+    kOptions};
 
 }  // namespace bramah

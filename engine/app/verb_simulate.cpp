@@ -14,7 +14,7 @@
 namespace bramah {
 namespace {
 
-constexpr const char* kOptions[] = {"--resume", "--save-every", "--binary"};
+constexpr const char* kOptions[] = {"--resume", "--save-every", "--binary", "--output"};
 
 std::string document(const Context& context, const Transient& transient, const std::string& file) {
   JsonWriter json;
@@ -160,6 +160,7 @@ Examples
   bramah simulate scenes/four_bar/overdamped.json --set "simulate.output_step=1 ms" > series.csv
   bramah simulate scenes/four_bar/overdamped.json --out more --resume results/checkpoint.json --set simulate.to_time=4
 
+--output NAME         only these columns, any number of times: variables, energies, powers, ...
 --resume FILE         go on from a checkpoint
 --save-every SECONDS  write the checkpoint so often, too
 --binary              DIR/time_series.npy instead of .csv: numpy.load(FILE)["NAME"] is a column

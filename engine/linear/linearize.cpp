@@ -413,7 +413,8 @@ Linearizer::Row Linearizer::output_row(const Measured& y) const {
     case Measured::Kind::power:
       throw AnalysisError(
           "linearize", "the output " + y.name + " has no row in C", "variables, multipliers and outputs of components",
-          "take energies and powers out of the scene's outputs; `simulate` and `vary` have them", "/outputs");
+          "take it out of the scene's outputs, or choose others with --output; `simulate` and `vary` have it",
+          "/outputs");
     case Measured::Kind::lambda: break;
   }
   const auto undetermined = [&](const RedundantRow& redundant) {

@@ -187,6 +187,28 @@ TEST_F(Cli, OutputsOfTheSceneAreTheColumns) {
               testing::StartsWith("time,V3.p,crank.angle.rate,torque\n0,3500000,0,0\n"));
 }
 
+TEST_F(Cli, EnergiesAreOutputsOfSimulationsOnly) {
+  const std::string scene = "'" BRAMAH_SOURCE_DIR "/scenes/linear/pendulum.json'";
+  const Ended run = bramah("simulate " + scene + " --output rod.energy --output energy --set simulate.to_time=0.01");
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.out, testing::StartsWith("time,rod.energy,energy\n0,-14.74941537585"));  // -m g l cos(20 deg)
+  const Ended refused = bramah("linearize " + scene + " --output rod.energy");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("the output rod.energy has no row in C"));
+  EXPECT_THAT(refused.err, HasSubstr("--output"));
+  EXPECT_EQ(bramah("modes " + scene + " --quiet").code, 0);
+}
+
+TEST_F(Cli, WrongEnergyIsToldAndTheRunKept) {
+  const std::string scene = "'" BRAMAH_SOURCE_DIR "/scenes/benchmarks/pendulum.json'";
+  const std::string loose = " --set simulate.integrator=ida --set simulate.rel_tol=0.01";
+  const Ended run = bramah("simulate " + scene + loose + " --quiet --out loose");
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.err, HasSubstr("% of the energy that was turned over, came from nowhere or got lost"));
+  EXPECT_TRUE(fs::exists(folder_ / "loose/time_series.csv"));
+  EXPECT_EQ(bramah("simulate " + scene + " --quiet").err, "");
+}
+
 // ---- study ----
 
 TEST_F(Cli, StudyWritesAWholeFolder) {

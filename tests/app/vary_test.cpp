@@ -160,6 +160,14 @@ TEST_F(Cli, VaryKeepsWhatSucceeds) {
   EXPECT_TRUE(none.at("figures")[0].at("mean").is_null());
 }
 
+TEST_F(Cli, VaryCountsAWrongEnergyAsFailure) {
+  write("o.json", oscillator(R"({ "over": { "m.mass": [1] } })"));
+  const std::string loose = " --set simulate.integrator=ida --set simulate.rel_tol=0.1 --set simulate.to_time=60";
+  const json d = document("vary o.json" + loose, 1);
+  EXPECT_EQ(d.at("failed"), 1);
+  EXPECT_THAT(d.at("runs")[0].at("message").get<std::string>(), HasSubstr("came from nowhere or got lost"));
+}
+
 TEST_F(Cli, VaryKeepsWhatIsDoneWhenInterrupted) {
   write("o.json",
         oscillator(R"({ "random": { "m.mass": { "uniform": [1, 2] } }, "count": 100000, "figures": ["final"] })"));
