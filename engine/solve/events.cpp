@@ -46,7 +46,10 @@ const Vector& Events::evaluate(State& state) {
   values_.clear();
   if (switching_ > 0) values_ = switches_.evaluate(state);
   if (conditions_.empty()) return values_;
-  if (needs_forces_) kkt_.complete(state, blocks_);
+  if (needs_forces_) {
+    kkt_.forget_pivots();  // the time of an event is the same in a continued run
+    kkt_.complete(state, blocks_);
+  }
   const Vector& watched = meter_->read(state);
   for (std::size_t k = 0; k < conditions_.size(); ++k) values_.push_back(watched[k] - conditions_[k].level);
   return values_;

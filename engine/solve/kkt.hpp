@@ -32,6 +32,8 @@ class Kkt {
   /// The same for sparse::Klu::block right-hand sides, row-major; without softness.
   void solve_block(std::span<double> rhs) const { lu_.solve_block(rhs); }
 
+  /// What `complete` gives next has bits that depend on the state alone.
+  void forget_pivots() { lu_.forget_pivots(); }
   /// Sets a, lambda and zdot of `state` from its t, x, v, z and inputs.
   void complete(State& state, Blocks& blocks);
 

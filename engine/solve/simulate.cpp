@@ -117,6 +117,7 @@ void Run::begin_segment() {
   segment_end_ = std::min(options_.to_time, next_breakpoint(system_, state_.t));
   state_.side = 1;
   apply_inputs(system_, state_);
+  kkt_.forget_pivots();  // or a continued run would begin with other bits than one that came along
   kkt_.complete(state_, blocks_);
   integrator_.begin(state_, segment_end_);
   if (!memory_.empty()) integrator_.recall(std::exchange(memory_, {}));

@@ -191,6 +191,11 @@ bool BasicKlu<Scalar>::factor(const View& matrix) {
 }
 
 template <class Scalar>
+void BasicKlu<Scalar>::forget_pivots() {
+  Calls<Scalar>::free_numeric(&data_->numeric, &data_->common);
+}
+
+template <class Scalar>
 bool BasicKlu<Scalar>::fresh_pivots() const {
   return data_->fresh;
 }

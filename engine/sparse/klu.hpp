@@ -26,6 +26,8 @@ class BasicKlu {
   void analyze(const View& matrix);
   /// Factors with fresh pivots, or reuses the last pivots and falls back where they have become bad. False: singular.
   bool factor(const View& matrix);
+  /// The next factor chooses its pivots anew, whatever was factored before: its bits depend on its matrix alone.
+  void forget_pivots();
   /// Whether the last factor chose its pivots anew: they then depend on that matrix alone.
   [[nodiscard]] bool fresh_pivots() const;
   /// Column of the first zero pivot after factor returned false.

@@ -71,6 +71,26 @@ TEST(Klu, RefactorsAndRepivotsWhereOldPivotsFail) {
   EXPECT_LT((b - exact).norm(), 1e-12 * exact.norm());
 }
 
+TEST(Klu, ForgetsWhatItFactoredBefore) {
+  const Sparse other = tridiagonal(40, 0.0);  // its pivots lie beside the diagonal
+  const Sparse A = tridiagonal(40, 0.5);
+  const auto solved = [&](const auto& prepare) {
+    sparse::Klu lu;
+    lu.analyze(view(A));
+    prepare(lu);
+    EXPECT_TRUE(lu.factor(view(A)));
+    Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(40, 1.0, 2.0);
+    lu.solve({b.data(), 40});
+    return b;
+  };
+  const Eigen::VectorXd alone = solved([](sparse::Klu&) {});
+  EXPECT_NE(alone, solved([&](sparse::Klu& lu) { EXPECT_TRUE(lu.factor(view(other))); })) << "rounded otherwise";
+  EXPECT_EQ(alone, solved([&](sparse::Klu& lu) {
+              EXPECT_TRUE(lu.factor(view(other)));
+              lu.forget_pivots();
+            }));
+}
+
 TEST(Klu, TellsSingularMatrices) {
   Sparse A = tridiagonal(5, 0.0);  // odd size, zero diagonal: singular
   sparse::Klu lu;
