@@ -14,6 +14,8 @@ constexpr double least_motion = 1e-5;
 constexpr double least_share = 0.1;
 // Rounding itself, relative to the largest variable of the kind: the extent of the machine.
 constexpr double least_tolerance = 1e-13;
+// And of coordinates relative to the largest of all: joints turn the rounding of places into angles.
+constexpr double least_tolerance_of_joints = 2e-14;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
@@ -69,15 +71,18 @@ void ScaledState::unpack_rates(const double* yp, State& state) const {
 void ScaledState::weigh(const double* y, double* weight) {
   std::fill(motion_.begin(), motion_.end(), 0.0);
   std::fill(extent_.begin(), extent_.end(), 1.0);
+  double largest = 0.0;
   for (std::size_t i = 0; i < scale_.size(); ++i) {
     low_[i] = std::min(low_[i], y[i]);
     high_[i] = std::max(high_[i], y[i]);
     motion_[kind_[i]] = std::max(motion_[kind_[i]], high_[i] - low_[i]);
     extent_[kind_[i]] = std::max(extent_[kind_[i]], std::abs(y[i]));
+    if (i < at(n_)) largest = std::max(largest, std::abs(y[i]));
   }
   for (std::size_t i = 0; i < scale_.size(); ++i) {
     const double motion = std::max({high_[i] - low_[i], least_share * motion_[kind_[i]], least_motion});
-    weight[i] = 1.0 / std::max(rel_tol_ * motion, least_tolerance * extent_[kind_[i]]);
+    const double rounding = i < at(n_) ? least_tolerance_of_joints * largest : 0.0;
+    weight[i] = 1.0 / std::max({rel_tol_ * motion, least_tolerance * extent_[kind_[i]], rounding});
   }
 }
 
