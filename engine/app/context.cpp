@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "app/failure.hpp"
+#include "app/results.hpp"
 #include "io/output_file.hpp"
 #include "io/read_scene.hpp"
 #include "solve/start.hpp"
@@ -73,11 +74,21 @@ Linearization linearize(const Compiled& compiled, const Prescribed& prescribed, 
   return result;
 }
 
+namespace {
+
+void tell_start(const Context& context) {
+  tell_start_notes(context, context.options().linearize.at == LinearizeOptions::At::equilibrium);
+}
+
+}  // namespace
+
 Linearization linearize(const Context& context) {
+  tell_start(context);
   return linearize(context.compiled, context.options().linearize.prescribed);
 }
 
 Linearization linearize_outputs(const Context& context) {
+  tell_start(context);
   return linearize(context.compiled, context.options().linearize.prescribed, context.options().outputs);
 }
 

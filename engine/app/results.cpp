@@ -102,7 +102,8 @@ Table sizes_table(const Sizes& s) {
       "lr"};
 }
 
-std::string equilibrium_document(const System& system, const Equilibrium& equilibrium) {
+std::string equilibrium_document(const System& system, const Equilibrium& equilibrium,
+                                 const std::vector<StartNote>& notes) {
   JsonWriter json;
   json.begin_object();
   write_state(json, system, equilibrium.state);
@@ -115,6 +116,7 @@ std::string equilibrium_document(const System& system, const Equilibrium& equili
   json.member("time", equilibrium.state.t)
       .member("iterations", equilibrium.iterations)
       .member("residual", equilibrium.residual);
+  write_notes(json, notes);
   json.end_object();
   return json.take();
 }
@@ -233,6 +235,24 @@ std::string redundancy_text(const std::vector<RedundantSet>& sets, const System&
         "those of least norm are given.\n";
   }
   return out;
+}
+
+std::vector<StartNote> tell_start_notes(const Context& context, bool equilibrium) {
+  std::vector<StartNote> notes = start_notes(context.system(), context.options(), equilibrium, context.start_time());
+  for (const StartNote& note : notes) {
+    if (!context.arguments.quiet) say("note: " + note.found + "\n  " + note.remedy + '\n');
+  }
+  return notes;
+}
+
+void write_notes(JsonWriter& json, const std::vector<StartNote>& notes) {
+  json.key("notes").begin_list();
+  for (const StartNote& note : notes) {
+    json.begin_object().member("kind", note.kind).key("names").begin_list(true);
+    for (const std::string& name : note.names) json.value(name);
+    json.end_list().member("found", note.found).member("remedy", note.remedy).end_object();
+  }
+  json.end_list();
 }
 
 void write_redundancy(JsonWriter& json, const std::vector<RedundantSet>& sets, const System& system) {

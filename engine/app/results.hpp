@@ -11,6 +11,7 @@
 #include "io/tables.hpp"
 #include "linear/census.hpp"
 #include "linear/spectrum.hpp"
+#include "solve/start.hpp"
 
 namespace bramah {
 
@@ -25,7 +26,8 @@ Sizes sizes_of(const System& system, const Partition* partition);
 void write_sizes(JsonWriter& json, const Sizes& sizes);
 Table sizes_table(const Sizes& sizes);
 
-std::string equilibrium_document(const System& system, const Equilibrium& equilibrium);
+std::string equilibrium_document(const System& system, const Equilibrium& equilibrium,
+                                 const std::vector<StartNote>& notes);
 /// Variables, or multipliers, with value and unit.
 Table variables_table(const System& system, const State& state);
 Table multipliers_table(const System& system, const State& state);
@@ -34,6 +36,10 @@ std::string free_directions_text(const std::vector<FreeDirection>& directions);
 std::string linear_document(const System& system, const Linearization& linear);
 /// What is redundant, in terms of joints; empty where nothing is.
 std::string redundancy_text(const std::vector<RedundantSet>& sets, const System& system);
+/// What start_notes has to say, told on standard error unless --quiet.
+std::vector<StartNote> tell_start_notes(const Context& context, bool equilibrium);
+/// The same as "notes".
+void write_notes(JsonWriter& json, const std::vector<StartNote>& notes);
 /// The same as "redundant_sets".
 void write_redundancy(JsonWriter& json, const std::vector<RedundantSet>& sets, const System& system);
 /// "condition": of C_xd and D_dd.

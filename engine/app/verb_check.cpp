@@ -15,12 +15,14 @@ struct Assembly {
   State state;
   std::optional<Partition> partition;
   std::optional<Failure> failure;
+  std::vector<StartNote> notes;
 };
 
 Assembly assemble(const Context& context) {
   Assembly result;
   try {
     result.state = consistent_start(context.system(), context.options(), context.start_time());
+    result.notes = tell_start_notes(context, false);
     result.partition = choose_partition(context.system(), result.state, context.options().linearize.prescribed);
   } catch (const AnalysisError& error) {
     result.state = initial_state(context.system(), context.start_time());
@@ -73,6 +75,7 @@ std::string document(const Context& context, const Assembly& assembly) {
   }
   json.end_list();
   write_redundancy(json, redundancy(context, assembly), system);
+  write_notes(json, assembly.notes);
   json.member("assembled", !assembly.failure).end_object();
   return json.take();
 }

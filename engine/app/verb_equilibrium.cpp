@@ -10,6 +10,7 @@ int run(const Arguments& arguments) {
   const Context context = load(arguments);
   const System& system = context.system();
   const Equilibrium equilibrium = find_equilibrium(system, context.options().equilibrium, context.start_time());
+  const std::vector<StartNote> notes = tell_start_notes(context, true);
   std::string out = as_text(variables_table(system, equilibrium.state));
   if (system.m() + system.l() > 0) out += '\n' + as_text(multipliers_table(system, equilibrium.state));
   if (!system.inputs.empty()) {
@@ -23,7 +24,7 @@ int run(const Arguments& arguments) {
   out += "\nfound in " + counted(static_cast<std::size_t>(equilibrium.iterations), "iteration") +
          ", largest residual " + short_number(equilibrium.residual, 2) + " of its terms\n" +
          free_directions_text(equilibrium.free_directions) + redundancy_text(equilibrium.redundancy, context.system());
-  deliver(arguments, "equilibrium.json", equilibrium_document(system, equilibrium), out);
+  deliver(arguments, "equilibrium.json", equilibrium_document(system, equilibrium, notes), out);
   return exit_ok;
 }
 

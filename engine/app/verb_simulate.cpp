@@ -16,7 +16,8 @@ namespace {
 
 constexpr const char* kOptions[] = {"--resume", "--save-every", "--binary", "--output"};
 
-std::string document(const Context& context, const Transient& transient, const std::string& file) {
+std::string document(const Context& context, const Transient& transient, const std::vector<StartNote>& notes,
+                     const std::string& file) {
   JsonWriter json;
   json.begin_object().key("summary").begin_object();
   write_statistics(json, transient);
@@ -28,6 +29,7 @@ std::string document(const Context& context, const Transient& transient, const s
   for (const Measured& output : outputs) json.member(output.name, output.unit);
   json.end_object().key("time_series");
   file.empty() ? json.null() : json.value(file);
+  write_notes(json, notes);
   json.end_object();
   return json.take();
 }
@@ -117,6 +119,8 @@ int run(const Arguments& arguments) {
   setup.show_progress = !series.scrolls();  // rows that scroll by are progress enough
   setup.save = save;
   setup.save_every = arguments.save_every;
+  std::vector<StartNote> notes;
+  if (!from) notes = tell_start_notes(context, context.options().simulate.from == SimulateOptions::From::equilibrium);
   Transient transient;
   try {
     transient = run_transient(context, context.options().simulate, setup,
@@ -138,7 +142,7 @@ int run(const Arguments& arguments) {
   if (transient.interrupted)
     say("interrupted; results up to t = " + short_number(transient.last_time, 10) + " s are kept" +
         (arguments.out.empty() ? "" : ", --resume " + saved.string() + " goes on") + '\n');
-  if (arguments.json) print(document(context, transient, series.file().string()));
+  if (arguments.json) print(document(context, transient, notes, series.file().string()));
   return transient.interrupted ? exit_interrupted : exit_ok;
 }
 

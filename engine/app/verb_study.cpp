@@ -151,6 +151,19 @@ bool needs_equilibrium(const Options& options) {
          (options.simulate.asked && options.simulate.from == SimulateOptions::From::equilibrium);
 }
 
+/// A note on the start is a remark of the report.
+std::vector<StartNote> remark_on_start(const Context& context, bool equilibrium, StudyResults& results) {
+  std::vector<StartNote> notes = start_notes(context.system(), context.options(), equilibrium, context.start_time());
+  for (const StartNote& note : notes) results.remarks.push_back("Start: " + note.found + "; " + note.remedy + '.');
+  return notes;
+}
+
+/// Whether the scene asks for anything at its start state.
+bool needs_start(const Options& options) {
+  return options.linearize.at == LinearizeOptions::At::start ||
+         (options.simulate.asked && options.simulate.from == SimulateOptions::From::start);
+}
+
 int run(const Arguments& arguments) {
   const Context context = load(arguments);
   Folder folder(arguments.out.empty() ? fs::path("results") / fs::path(arguments.subject).stem()
@@ -158,9 +171,12 @@ int run(const Arguments& arguments) {
   StudyResults results;
   if (needs_equilibrium(context.options())) {
     results.equilibrium = find_equilibrium(context.system(), context.options().equilibrium, context.start_time());
-    folder.write("equilibrium.json", equilibrium_document(context.system(), *results.equilibrium));
+    folder.write("equilibrium.json",
+                 equilibrium_document(context.system(), *results.equilibrium, remark_on_start(context, true, results)));
   }
-  results.linear = linearize_outputs(context);
+  if (needs_start(context.options())) remark_on_start(context, false, results);
+  results.linear =
+      linearize(context.compiled, context.options().linearize.prescribed, context.options().outputs);
   folder.write("linear_model.json", linear_document(context.system(), results.linear));
   results.census = census_of(context.system(), results.linear);
   folder.write("spectrum.json", spectrum_document(context.system(), results.linear, results.census));

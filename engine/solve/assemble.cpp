@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "solve/near_assembly.hpp"
 #include "solve/redundancy.hpp"
 #include "sparse/klu.hpp"
 #include "system/analysis_error.hpp"
@@ -17,16 +18,19 @@ namespace {
 constexpr double regularization = 1e-11;
 constexpr int most_iterations = 100;
 constexpr double position_tolerance = 1e-14;  // in the unit of the row (m, rad, 1), times the terms' size
+constexpr double velocity_tolerance = 1e-10;  // per second alike
+// Of the weights of rates that nobody gave: small beside 1, and no smaller than the factorization bears.
+constexpr double follows = 1e-8;
 
 /// Solves  min |W^-1 d|  subject to  D d = -residual  through  [W^-2 D^T; D -eps I].
 class NearestPoint {
  public:
-  /// `rows`: those of the block that shall close.
-  NearestPoint(const System& system, std::span<const Index> rows, int block, std::span<const Index> fixed)
-      : n_(system.n()), rows_(rows.begin(), rows.end()), weights_(system.x.size()) {
-    for (std::size_t i = 0; i < weights_.size(); ++i) {
-      weights_[i] = 1.0 / (system.x[i].nominal * system.x[i].nominal);
-    }
+  /// `rows`: those of the block that shall close. Where `given` names coordinates, all others follow these.
+  NearestPoint(const System& system, std::span<const Index> rows, int block, std::span<const Index> fixed,
+               std::span<const Index> given = {})
+      : n_(system.n()), rows_(rows.begin(), rows.end()), weights_(system.x.size(), given.empty() ? 1.0 : follows) {
+    for (const Index i : given) weights_[static_cast<std::size_t>(i)] = 1.0;
+    for (std::size_t i = 0; i < weights_.size(); ++i) weights_[i] /= system.x[i].nominal * system.x[i].nominal;
     std::vector<Index> free = shifted(n_, 0);
     for (const Index i : fixed) free[static_cast<std::size_t>(i)] = -1;  // their columns of D vanish
     const auto count = static_cast<Index>(rows.size());
@@ -103,15 +107,109 @@ std::string open_rows(const System& system, const Vector& c, Index most) {
          (count == 0 ? " stays" : " stay") + " open by " + (count == 0 ? "" : "up to ") + with_unit(gap, first.unit);
 }
 
+/// What rounding of rates is relative to.
+double rate_scale(const State& state) {
+  double scale = 1.0;
+  for (const double v : state.v) scale = std::max(scale, std::abs(v));
+  return scale;
+}
+
 double size_of(const Vector& c, std::span<const Index> rows) {
   double largest = 0.0;
   for (const Index row : rows) largest = std::max(largest, std::abs(c[static_cast<std::size_t>(row)]));
   return largest;
 }
 
-/// Newton's method from state.x for the `rows` of c; true where they close. `blocks.c` holds all rows at the end.
-bool close(const System& system, State& state, std::span<const Index> rows, std::span<const Index> fixed,
-           Blocks& blocks) {
+/// Whether holding is to blame: the same start values with all coordinates free.
+bool closes_without_holding(const System& system, State state, const Vector& start) {
+  state.x = start;
+  try {
+    assemble_positions(system, state);
+  } catch (const AnalysisError&) {
+    return false;
+  }
+  return true;
+}
+
+/// Start values midway between two assemblies: nothing tells which is meant. Throws, or returns where this is not what
+/// keeps the assembly open.
+void look_for_two_sides(const System& system, const State& stuck, std::span<const Index> fixed) {
+  const std::vector<Move> way = find_assemblies_on_either_side(system, stuck, fixed);
+  if (way.empty()) return;
+  std::vector<std::string> ways;
+  for (const auto& [i, by] : way) {
+    const Variable& x = system.x[static_cast<std::size_t>(i)];
+    ways.push_back(x.name + " by " + with_unit(by, x.unit));
+  }
+  const Variable& first = system.x[static_cast<std::size_t>(way.front().first)];
+  throw AnalysisError(
+      "assembly",
+      "the start values lie midway between two assemblies: one moves " + list_of(ways) + ", the other the other way",
+      "start values that are nearer to one of them",
+      "move the start value of " + first.name + " to the side that is meant",
+      "/components/" + system.component_name(first.component));
+}
+
+/// Joints that support the same directions and demand different things there: the rows that are independent at the start
+/// values close, one that repeats them does not. Throws, or returns where this is not what keeps the assembly open.
+void look_for_contradiction(const System& system, State state, const Vector& start, std::span<const Index> fixed) {
+  state.x = start;
+  const Partition partition = choose_partition(system, state);
+  const std::vector<RedundantSet> sets = describe_redundancy(system, state, partition);
+  Blocks blocks(system);
+  const std::span<const Index> independent(partition.rows.data(), static_cast<std::size_t>(partition.holonomic));
+  if (sets.empty() || !close_positions(system, state, independent, fixed, blocks)) return;
+  const Row& open = system.constraint(worst(blocks.c));
+  const std::string& joint = system.component_name(open.component);
+  for (const RedundantSet& set : sets) {
+    if (!std::binary_search(set.components.begin(), set.components.end(), open.component)) continue;
+    throw AnalysisError("assembly",
+                        set.joints + " are redundant and inconsistent: when the others close, " + open.name +
+                            " stays open by " + with_unit(size_of(blocks.c), open.unit),
+                        "joints that agree where they support the same direction",
+                        "correct the points and axes of " + joint + " or of the others, or replace " + joint +
+                            " by a joint that leaves this direction free",
+                        "/components/" + joint);
+  }
+}
+
+/// The correction of v, repeated until it no longer helps; the largest |r| that is left. Linear in v: this is rounding or
+/// a contradiction.
+double close_velocities(const System& system, State& state, NearestPoint& nearest, Blocks& blocks) {
+  const Request request = Request{}.rows("r").blocks({BRAMAH_R_V});
+  const double scale = rate_scale(state);
+  double before = HUGE_VAL;
+  for (int iteration = 0;; ++iteration) {
+    const Outcome outcome = blocks.evaluate(system, state, request);
+    if (!outcome.ok()) {
+      throw AnalysisError("assembly", outcome.message, "constraints that can be evaluated at the start values",
+                          "check the start values", place_of(system, outcome));
+    }
+    const double residual = size_of(blocks.r);
+    if (residual <= 1e-15 * scale || residual >= 0.5 * before || iteration == most_iterations) return residual;
+    before = residual;
+    const std::span<const double> step = nearest.solve(blocks, blocks.r);
+    for (std::size_t i = 0; i < step.size(); ++i) state.v[i] += step[i];
+  }
+}
+
+/// True where the rates that are not given can follow those that are, which stay to the last bit.
+bool follow(const System& system, State& state, std::span<const Index> fixed, std::span<const Index> given,
+            std::span<const Index> rows, Blocks& blocks) {
+  constexpr double exactly = 1e-3;  // of what is tolerated: what is given may be contradictory beyond rounding
+  std::vector<Index> kept(fixed.begin(), fixed.end());
+  kept.insert(kept.end(), given.begin(), given.end());
+  NearestPoint nearest(system, rows, BRAMAH_R_V, kept);
+  const Vector start = state.v;
+  if (close_velocities(system, state, nearest, blocks) <= exactly * velocity_tolerance * rate_scale(state)) return true;
+  state.v = start;
+  return false;
+}
+
+}  // namespace
+
+bool close_positions(const System& system, State& state, std::span<const Index> rows, std::span<const Index> fixed,
+                     Blocks& blocks) {
   NearestPoint nearest(system, rows, BRAMAH_C_X, fixed);
   const Request request = Request{}.rows("c").blocks({BRAMAH_C_X});
   const auto evaluate = [&] {
@@ -148,50 +246,15 @@ bool close(const System& system, State& state, std::span<const Index> rows, std:
   return residual <= 1e3 * position_tolerance * scale;
 }
 
-/// Whether holding is to blame: the same start values with all coordinates free.
-bool closes_without_holding(const System& system, State state, const Vector& start) {
-  state.x = start;
-  try {
-    assemble_positions(system, state);
-  } catch (const AnalysisError&) {
-    return false;
-  }
-  return true;
-}
-
-/// Joints that support the same directions and demand different things there: the rows that are independent at the start
-/// values close, one that repeats them does not. Throws, or returns where this is not what keeps the assembly open.
-void look_for_contradiction(const System& system, State state, const Vector& start, std::span<const Index> fixed) {
-  state.x = start;
-  const Partition partition = choose_partition(system, state);
-  const std::vector<RedundantSet> sets = describe_redundancy(system, state, partition);
-  Blocks blocks(system);
-  const std::span<const Index> independent(partition.rows.data(), static_cast<std::size_t>(partition.holonomic));
-  if (sets.empty() || !close(system, state, independent, fixed, blocks)) return;
-  const Row& open = system.constraint(worst(blocks.c));
-  const std::string& joint = system.component_name(open.component);
-  for (const RedundantSet& set : sets) {
-    if (!std::binary_search(set.components.begin(), set.components.end(), open.component)) continue;
-    throw AnalysisError("assembly",
-                        set.joints + " are redundant and inconsistent: when the others close, " + open.name +
-                            " stays open by " + with_unit(size_of(blocks.c), open.unit),
-                        "joints that agree where they support the same direction",
-                        "correct the points and axes of " + joint + " or of the others, or replace " + joint +
-                            " by a joint that leaves this direction free",
-                        "/components/" + joint);
-  }
-}
-
-}  // namespace
-
 void assemble_positions(const System& system, State& state, std::span<const Index> fixed) {
   if (system.m() == 0) return;
   const Vector start = state.x;
   Blocks blocks(system);
-  if (close(system, state, shifted(system.m(), 0), fixed, blocks)) return;
+  if (close_positions(system, state, shifted(system.m(), 0), fixed, blocks)) return;
   const Index row = worst(blocks.c);
   const Row& open = system.constraint(row);
   const std::string gap = open_rows(system, blocks.c, row);
+  look_for_two_sides(system, state, fixed);
   if (!fixed.empty() && closes_without_holding(system, state, start)) {
     throw AnalysisError(
         "assembly",
@@ -206,40 +269,25 @@ void assemble_positions(const System& system, State& state, std::span<const Inde
                       "/components/" + system.component_name(open.component));
 }
 
-void assemble_velocities(const System& system, State& state, std::span<const Index> fixed) {
+void assemble_velocities(const System& system, State& state, std::span<const Index> fixed,
+                         std::span<const Index> given) {
   if (system.m() + system.l() == 0) return;
   Blocks blocks(system);
-  NearestPoint nearest(system, shifted(system.m() + system.l(), 0), BRAMAH_R_V, fixed);
-  const Request request = Request{}.rows("r").blocks({BRAMAH_R_V});
-  double scale = 1.0;
-  for (const double v : state.v) scale = std::max(scale, std::abs(v));
-  double before = HUGE_VAL;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    const Outcome outcome = blocks.evaluate(system, state, request);
-    if (!outcome.ok()) {
-      throw AnalysisError("assembly", outcome.message, "constraints that can be evaluated at the start values",
-                          "check the start values", place_of(system, outcome));
-    }
-    const double residual = size_of(blocks.r);
-    if (residual <= 1e-15 * scale ||
-        residual >= 0.5 * before) {  // linear in v: stagnation is rounding or contradiction
-      if (residual <= 1e-10 * scale) return;
-      const Index row = worst(blocks.r);
-      const Row& moving = system.constraint(row);
-      const std::string rate = "the constraint " + moving.name + " opens at a rate of " +
-                               digits(std::abs(blocks.r[static_cast<std::size_t>(row)])) +
-                               (moving.unit == "1" ? " 1/s" : " " + moving.unit + "/s");
-      throw AnalysisError(
-          "assembly", (fixed.empty() ? "" : "with the start rates of " + names_of(system, fixed) + " held, ") + rate,
-          "start rates that the constraints allow",
-          fixed.empty() ? "change the start rates, or the driver that demands this one"
-                        : "hold fewer coordinates, or correct their start rates",
-          fixed.empty() ? "/components/" + system.component_name(moving.component) : std::string("/hold"));
-    }
-    before = residual;
-    const std::span<const double> step = nearest.solve(blocks, blocks.r);
-    for (std::size_t i = 0; i < step.size(); ++i) state.v[i] += step[i];
-  }
+  const std::vector<Index> rows = shifted(system.m() + system.l(), 0);
+  if (!given.empty() && follow(system, state, fixed, given, rows, blocks)) return;
+  NearestPoint nearest(system, rows, BRAMAH_R_V, fixed, given);
+  if (close_velocities(system, state, nearest, blocks) <= velocity_tolerance * rate_scale(state)) return;
+  const Index row = worst(blocks.r);
+  const Row& moving = system.constraint(row);
+  const std::string rate = "the constraint " + moving.name + " opens at a rate of " +
+                           digits(std::abs(blocks.r[static_cast<std::size_t>(row)])) +
+                           (moving.unit == "1" ? " 1/s" : " " + moving.unit + "/s");
+  throw AnalysisError("assembly",
+                      (fixed.empty() ? "" : "with the start rates of " + names_of(system, fixed) + " held, ") + rate,
+                      "start rates that the constraints allow",
+                      fixed.empty() ? "change the start rates, or the driver that demands this one"
+                                    : "hold fewer coordinates, or correct their start rates",
+                      fixed.empty() ? "/components/" + system.component_name(moving.component) : std::string("/hold"));
 }
 
 Violation constraint_violation(const System& system, const State& state, Blocks& blocks) {

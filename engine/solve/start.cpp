@@ -1,15 +1,84 @@
 #include "solve/start.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "solve/assemble.hpp"
 #include "solve/kkt.hpp"
+#include "solve/near_assembly.hpp"
 #include "solve/redundancy.hpp"
+#include "system/message.hpp"
 
 namespace bramah {
+namespace {
+
+constexpr double kept = 1e-6;  // of a rate or its nominal: what counts as unchanged
+
+std::vector<Index> given_rates(const System& system) {
+  std::vector<Index> given;
+  for (Index i = 0; i < system.n(); ++i) {
+    if (system.x[static_cast<std::size_t>(i)].rate_given()) given.push_back(i);
+  }
+  return given;
+}
+
+void assemble_start(const System& system, const Options& options, State& state) {
+  assemble_positions(system, state, options.equilibrium.hold_x);
+  assemble_velocities(system, state, options.equilibrium.hold_x, given_rates(system));
+}
+
+StartNote note_on(const System& system, const NearAssembly& other, bool held) {
+  StartNote note{"near assembly", {}, "", ""};
+  std::vector<std::string> ways, joints, same;
+  for (const auto& [i, way] : other.coordinates) {
+    const Variable& x = system.x[static_cast<std::size_t>(i)];
+    note.names.push_back(x.name);
+    ways.push_back(x.name + " " + (way < 0.0 ? "" : "+") + digits(way) + (x.unit == "1" ? "" : " " + x.unit));
+  }
+  for (const Index row : other.rows) {
+    const std::string& joint = system.component_name(system.constraint(row).component);
+    if (std::find(joints.begin(), joints.end(), joint) == joints.end()) joints.push_back(joint);
+  }
+  for (const Index i : other.kept) same.push_back(system.x[static_cast<std::size_t>(i)].name);
+  note.found = "two assemblies are near: " + list_of(joints) + " also " + (joints.size() == 1 ? "closes" : "close") +
+               (same.empty() ? "" : ", with the same " + list_of(same) + ",") + " at " + list_of(ways) + ", " +
+               digits(other.distance) + " nominals away; the start values were moved by " + digits(other.moved) +
+               ", to the assembly that was taken";
+  note.remedy = "to be sure of the one that is meant, give " + note.names.front() +
+                " a start value on its side, and hold it" + (held ? " in place of a coordinate that is held" : "");
+  return note;
+}
+
+StartNote note_on(const System& system, const std::vector<Index>& changed, const State& state) {
+  StartNote note{"rate changed", {}, "", ""};
+  std::vector<std::string> changes;
+  for (const Index i : changed) {
+    const Variable& x = system.x[static_cast<std::size_t>(i)];
+    const std::string unit = x.unit == "1" ? " 1/s" : " " + x.unit + "/s";
+    note.names.push_back(x.name + ".rate");
+    changes.push_back(x.name + ".rate from " + digits(x.start_rate, 6) + " to " +
+                      digits(state.v[static_cast<std::size_t>(i)], 6) + unit);
+  }
+  note.found = "the constraints do not allow the start rates that are given; changed were " + list_of(changes);
+  note.remedy = "give rates that agree with each other, or fewer of them: those that nobody gives follow";
+  return note;
+}
+
+std::vector<Index> changed_rates(const System& system, const State& state) {
+  std::vector<Index> changed = given_rates(system);
+  std::erase_if(changed, [&](Index index) {
+    const auto i = static_cast<std::size_t>(index);
+    const double given = system.x[i].start_rate;
+    return std::abs(state.v[i] - given) <= kept * std::max(std::abs(given), system.x[i].nominal);
+  });
+  return changed;
+}
+
+}  // namespace
 
 State consistent_start(const System& system, const Options& options, double t) {
   State state = initial_state(system, t);
-  assemble_positions(system, state, options.equilibrium.hold_x);
-  assemble_velocities(system, state, options.equilibrium.hold_x);
+  assemble_start(system, options, state);
   complete(system, state);
   return state;
 }
@@ -23,6 +92,23 @@ void complete(const System& system, State& state) {
 
 State reference_state(const System& system, const Options& options, bool equilibrium, double t) {
   return equilibrium ? find_equilibrium(system, options.equilibrium, t).state : consistent_start(system, options, t);
+}
+
+std::vector<StartNote> start_notes(const System& system, const Options& options, bool equilibrium, double t) {
+  State state = initial_state(system, t);
+  const Vector start = state.x;
+  if (equilibrium) {
+    assemble_positions(system, state, options.equilibrium.hold_x);
+  } else {
+    assemble_start(system, options, state);
+  }
+  std::vector<StartNote> notes;
+  if (const auto other = find_near_assembly(system, state, start, options.equilibrium.hold_x))
+    notes.push_back(note_on(system, *other, !options.equilibrium.hold_x.empty()));
+  if (equilibrium) return notes;
+  if (const std::vector<Index> changed = changed_rates(system, state); !changed.empty())
+    notes.push_back(note_on(system, changed, state));
+  return notes;
 }
 
 }  // namespace bramah

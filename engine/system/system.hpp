@@ -32,6 +32,8 @@ struct Variable {
   double start = 0.0, start_rate = 0.0;                // rate: coordinates only
   bool start_given = false, start_rate_given = false;  // by the scene's "start"
   Index component = 0;
+  /// Whether somebody gave the rate: "start", or a parameter of the component, which makes it other than zero.
+  [[nodiscard]] bool rate_given() const { return start_rate_given || start_rate != 0.0; }
 };
 
 struct Row {

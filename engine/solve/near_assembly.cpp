@@ -1,0 +1,215 @@
+#include "solve/near_assembly.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "solve/assemble.hpp"
+#include "sparse/rank_lu.hpp"
+#include "system/analysis_error.hpp"
+
+namespace bramah {
+namespace {
+
+constexpr double near = 2e-2;       // in nominals: angles given in whole degrees cannot tell such assemblies apart
+constexpr double comparable = 4.0;  // times the way that the start values were moved; midway between both it is 2
+constexpr double same = 1e-6;       // in nominals: a double root, told apart no better than to sqrt(eps)
+constexpr double well_apart = 0.1;  // of a pivot relative to its row: the other assembly is not near
+constexpr double takes_part = 0.1;  // of the largest share in u or w
+constexpr int inverse_iterations = 4;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+/// C_x^T in nominals, without the rows of fixed coordinates, factored: its pivots are x_d and the independent rows of c.
+class FreeRows {
+ public:
+  FreeRows(const System& system, const State& state, std::span<const Index> fixed) {
+    Blocks blocks(system);
+    if (!blocks.evaluate(system, state, Request{}.blocks({BRAMAH_C_X})).ok()) return;
+    std::vector<Index> free = shifted(system.n(), 0);
+    for (const Index i : fixed) free[at(i)] = -1;
+    const std::vector<Index> rows = shifted(system.m(), 0);
+    const Term term{BRAMAH_C_X, rows, free, true, 0};
+    plan_ = SparsePlan(system, system.n(), system.m(), {&term, 1});
+    const double one = 1.0;
+    plan_.fill(blocks, {&one, 1});
+    values_.assign(plan_.values().begin(), plan_.values().end());
+    for (std::size_t e = 0; e < values_.size(); ++e) values_[e] *= system.x[at(plan_.row()[e])].nominal;
+    std::vector<int> given;
+    for (const Variable& x : system.x) given.push_back(x.start_given ? 1 : 0);
+    sparse::RankLuOptions options;
+    options.row_class = given;
+    lu_.factor({plan_.rows(), plan_.columns(), plan_.start().data(), plan_.row().data(), values_.data()}, options);
+  }
+  [[nodiscard]] bool nearly_singular() const { return lu_.rank() > 0 && lu_.smallest_accepted() < well_apart; }
+  [[nodiscard]] const std::vector<Index>& coordinates() const { return lu_.pivot_rows(); }
+  [[nodiscard]] const std::vector<Index>& rows() const { return lu_.pivot_columns(); }
+  [[nodiscard]] const std::vector<Index>& dependent_rows() const { return lu_.dependent_columns(); }
+
+  /// u (n) and w (m) of the smallest singular value of C_xd, by inverse iteration; the value itself is returned.
+  double smallest(Vector& u, Vector& w) const {
+    u.resize(at(plan_.rows()));
+    w.resize(at(plan_.columns()));
+    for (std::size_t k = 0; k < w.size(); ++k) w[k] = std::sin(1.0 + static_cast<double>(k));  // orthogonal to nothing
+    double sigma = 0.0;
+    for (int k = 0; k < inverse_iterations; ++k) {
+      normalize(w);
+      lu_.solve_transposed(w, u);
+      sigma = 1.0 / normalize(u);
+      lu_.solve(u, w);
+    }
+    normalize(w);
+    return sigma;
+  }
+
+  /// w (m) with w^T C_x = 0, for every dependent row.
+  [[nodiscard]] std::vector<Vector> self_stresses() const {
+    std::vector<Vector> result;
+    const std::vector<sparse::Dependency> dependencies = lu_.dependencies();
+    for (std::size_t k = 0; k < dependencies.size(); ++k) {
+      Vector& w = result.emplace_back(at(plan_.columns()), 0.0);
+      w[at(dependent_rows()[k])] = 1.0;
+      for (const auto& [row, c] : dependencies[k]) w[at(row)] = -c;
+    }
+    return result;
+  }
+  /// u (n) with C_x u = 0 that moves x_d and coordinate j.
+  [[nodiscard]] Vector motion(Index j) const {
+    Vector column(at(plan_.columns()), 0.0), u(at(plan_.rows()));
+    for (Index row = 0; row < plan_.columns(); ++row) {
+      for (Index e = plan_.start()[at(row)]; e < plan_.start()[at(row) + 1]; ++e) {
+        if (plan_.row()[at(e)] == j) column[at(row)] = values_[at(e)];
+      }
+    }
+    lu_.solve_transposed(column, u);
+    for (double& value : u) value = -value;
+    u[at(j)] = 1.0;
+    return u;
+  }
+
+ private:
+  static double normalize(Vector& vector) {
+    double sum = 0.0;
+    for (const double value : vector) sum += value * value;
+    for (double& value : vector) value /= std::sqrt(sum);
+    return std::sqrt(sum);
+  }
+  SparsePlan plan_;
+  Vector values_;
+  sparse::RankLu lu_;
+};
+
+/// w^T c_xx(u, u), u in nominals: what s, quadratic in v, has beside its other terms.
+double curvature(const System& system, State state, const Vector& u, const Vector& w) {
+  Blocks blocks(system);
+  std::fill(state.a.begin(), state.a.end(), 0.0);
+  double sum = 0.0;
+  for (const double factor : {-1.0, 0.0, 1.0}) {
+    for (std::size_t i = 0; i < u.size(); ++i) state.v[i] = factor * u[i] * system.x[i].nominal;
+    if (!blocks.evaluate(system, state, Request{}.rows("s")).ok()) return 0.0;
+    for (std::size_t k = 0; k < w.size(); ++k) sum += (factor == 0.0 ? -1.0 : 0.5) * w[k] * blocks.s[k];
+  }
+  return sum;
+}
+
+double distance(const System& system, const Vector& a, const Vector& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < system.x.size(); ++i) sum += std::pow((a[i] - b[i]) / system.x[i].nominal, 2);
+  return std::sqrt(sum);
+}
+
+/// Members of `all` whose share is at least a tenth of the largest, in falling order.
+template <class Share>
+std::vector<Index> largest(std::vector<Index> all, Share&& share) {
+  std::stable_sort(all.begin(), all.end(), [&](Index a, Index b) { return share(a) > share(b); });
+  const auto end = std::find_if(all.begin(), all.end(), [&](Index i) { return share(i) < takes_part * share(all[0]); });
+  all.erase(end, all.end());
+  return all;
+}
+
+/// Where Newton's method for the coordinates `moving` comes to rest from x + s u; true where all rows close there.
+bool go_over(const System& system, State& state, std::span<const Index> moving, std::vector<Index> rows,
+             const Vector& u, double s) {
+  std::vector<Index> kept = shifted(system.n(), 0);
+  for (const Index i : moving) {
+    kept[at(i)] = -1;
+    state.x[at(i)] += s * u[at(i)] * system.x[at(i)].nominal;
+  }
+  std::erase(kept, Index{-1});
+  std::sort(rows.begin(), rows.end());
+  Blocks blocks(system);
+  try {
+    if (!close_positions(system, state, rows, kept, blocks)) return false;
+  } catch (const AnalysisError&) {  // beyond where the rows can be evaluated
+    return false;
+  }
+  constexpr double closed = 1e-9;  // redundant rows are not among the independent ones
+  return std::all_of(blocks.c.begin(), blocks.c.end(), [](double c) { return std::abs(c) < closed; });
+}
+
+/// From `a` to `b`, for those of `coordinates` that have a share in the distance.
+std::vector<Move> moves(const System& system, const Vector& a, const Vector& b, std::span<const Index> coordinates) {
+  std::vector<Move> result;
+  const auto way = [&](Index i) { return std::abs(b[at(i)] - a[at(i)]) / system.x[at(i)].nominal; };
+  for (const Index i : largest({coordinates.begin(), coordinates.end()}, way))
+    result.emplace_back(i, b[at(i)] - a[at(i)]);
+  return result;
+}
+
+}  // namespace
+
+std::optional<NearAssembly> find_near_assembly(const System& system, const State& assembled, const Vector& start,
+                                               std::span<const Index> fixed) {
+  const FreeRows free(system, assembled, fixed);
+  if (system.m() == 0 || !free.nearly_singular()) return std::nullopt;
+  Vector u, w;
+  const double sigma = free.smallest(u, w);
+  NearAssembly result;
+  result.moved = distance(system, assembled.x, start);
+  const double limit = std::max(near, comparable * result.moved), bend = curvature(system, assembled, u, w);
+  if (2.0 * sigma > 2.0 * limit * std::abs(bend)) return std::nullopt;  // by far, and an estimate
+  State other = assembled;
+  if (!go_over(system, other, free.coordinates(), free.rows(), u, -2.0 * sigma / bend)) return std::nullopt;
+  result.distance = distance(system, assembled.x, other.x);
+  if (result.distance < same || result.distance > limit) return std::nullopt;
+
+  result.coordinates = moves(system, assembled.x, other.x, free.coordinates());
+  result.rows = largest(free.rows(), [&](Index k) { return std::abs(w[at(k)]); });
+  for (Index i = 0; i < system.n(); ++i) {
+    const bool dependent =
+        std::find(free.coordinates().begin(), free.coordinates().end(), i) != free.coordinates().end();
+    if (!dependent && (system.x[at(i)].start_given || std::find(fixed.begin(), fixed.end(), i) != fixed.end()))
+      result.kept.push_back(i);
+  }
+  return result;
+}
+
+std::vector<Move> find_assemblies_on_either_side(const System& system, const State& stuck,
+                                                 std::span<const Index> fixed) {
+  const FreeRows free(system, stuck, fixed);
+  Blocks blocks(system);
+  if (free.dependent_rows().empty() || !blocks.evaluate(system, stuck, Request{}.rows("c")).ok()) return {};
+  std::vector<bool> taken(at(system.n()), false);
+  for (const std::span<const Index> list : {std::span<const Index>(free.coordinates()), fixed}) {
+    for (const Index i : list) taken[at(i)] = true;
+  }
+  for (const Vector& w : free.self_stresses()) {
+    const double open = std::inner_product(w.begin(), w.end(), blocks.c.begin(), 0.0);
+    for (Index j = 0; j < system.n(); ++j) {
+      if (taken[at(j)]) continue;
+      const Vector u = free.motion(j);
+      const double s2 = -2.0 * open / curvature(system, stuck, u, w);
+      if (!std::isfinite(s2) || s2 <= same * same) continue;
+      std::vector<Index> moving = free.coordinates();
+      moving.push_back(j);
+      State one = stuck, other = stuck;
+      const std::vector<Index> rows = shifted(system.m(), 0);
+      if (go_over(system, one, moving, rows, u, std::sqrt(s2)) &&
+          go_over(system, other, moving, rows, u, -std::sqrt(s2)))
+        return moves(system, stuck.x, one.x, moving);
+    }
+  }
+  return {};
+}
+
+}  // namespace bramah

@@ -1,0 +1,44 @@
+// Whether another assembly lies close to the one that was found: the same joints, closed the other way.
+//
+// Some coordinates are taken as they are, x_k; the others, x_d, follow from independent rows of c. Where C_xd is nearly
+// singular, with C_xd u = sigma w for unit vectors u and w, c changes along u like a parabola,
+//
+//   w^T c(x + s u) = sigma s + 1/2 s^2 w^T c_xx(u, u) + ...
+//
+// whose other root, s = -2 sigma / w^T c_xx(u, u), is where Newton's method for x_d starts from. What it finds is no
+// estimate: all rows close there.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "system/system.hpp"
+
+namespace bramah {
+
+/// A coordinate and how far it moves (SI).
+using Move = std::pair<Index, double>;
+
+struct NearAssembly {
+  double distance = 0.0;          // to the other assembly, in units of the nominals (Euclidean)
+  double moved = 0.0;             // how far the assembly has moved the start values, alike
+  std::vector<Move> coordinates;  // those that differ most, the largest share of the distance first
+  std::vector<Index> rows;        // those that resist the way there least, by their share in w
+  std::vector<Index> kept;        // of x_k those that are held or given: the same in both
+};
+
+/// Looks for it at `assembled`, to which the positions `start` were moved; `fixed` coordinates are kept, and of the others
+/// those that "start" gives before all others. Reported are assemblies nearer than 1/50 nominal, about a degree, and those
+/// up to four times as far away as the start values were.
+std::optional<NearAssembly> find_near_assembly(const System& system, const State& assembled, const Vector& start,
+                                               std::span<const Index> fixed);
+
+/// Where Newton's method stays at `stuck` because nothing tells to which of two assemblies: sigma is zero there, and the
+/// parabola has roots on either side, s = +-sqrt(-2 w^T c / w^T c_xx(u, u)). The moves to the one; those to the other are
+/// opposite. Empty where this is not the reason.
+std::vector<Move> find_assemblies_on_either_side(const System& system, const State& stuck,
+                                                 std::span<const Index> fixed);
+
+}  // namespace bramah

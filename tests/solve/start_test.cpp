@@ -1,0 +1,200 @@
+// What is made of rough start values, and what is said about it.
+#include "solve/start.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "io/read_scene.hpp"
+#include "solve/assemble.hpp"
+#include "solve/near_assembly.hpp"
+#include "support/generators.hpp"
+#include "support/machine.hpp"
+#include "support/numbers.hpp"
+
+namespace bramah::testing {
+namespace {
+
+constexpr double r = 0.5, l = 1.0;  // crank and rod of the slider crank
+
+std::string number(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+/// A slider crank, its crank and rod placed roughly, with `keys` of the scene; "start" and "hold" are among them.
+Compiled slider_crank(double crank, double rod, const std::string& keys) {
+  const std::string text = R"({ "bramah": 1, "libraries": ["mechanics"], "components": {
+    "ground": { "type": "mechanics/ground" },
+    "crank":  { "type": "mechanics/planar_body", "mass": 1, "inertia": 0.1, "position": [0.25, 0], "angle": )" +
+                           number(crank) + R"(},
+    "rod":    { "type": "mechanics/planar_body", "mass": 1, "inertia": 0.1, "position": [1, 0], "angle": )" +
+                           number(rod) + R"(},
+    "slide":  { "type": "mechanics/planar_body", "mass": 1, "inertia": 0.1, "position": [1.5, 0] },
+    "O":      { "type": "mechanics/planar_revolute", "a": "ground", "b": "crank", "point_b": [-0.25, 0] },
+    "A":      { "type": "mechanics/planar_revolute", "a": "crank", "point_a": [0.25, 0], "b": "rod",
+                "point_b": [-0.5, 0] },
+    "B":      { "type": "mechanics/planar_revolute", "a": "rod", "point_a": [0.5, 0], "b": "slide" },
+    "rail":   { "type": "mechanics/planar_slot", "a": "ground", "b": "slide" } }, )" +
+                           keys + "}";
+  return compile(read_scene_text(text, "slider_crank.json"), registry());
+}
+
+/// The slider crank with the crank at `angle` above the dead centre.
+struct Place {
+  explicit Place(double angle)
+      : crank(angle), rod(-std::asin(r / l * std::sin(angle))), slide(r * std::cos(angle) + l * std::cos(rod)) {}
+  double crank, rod, slide;
+  /// To the other assembly with the same slide: both angles change their signs, and so do crank.y and rod.y. All
+  /// nominals are 1.
+  [[nodiscard]] double to_the_other() const {
+    return 2.0 * std::sqrt(crank * crank + rod * rod + 2.0 * std::pow(0.5 * r * std::sin(crank), 2));
+  }
+};
+
+std::optional<NearAssembly> near_assembly(const Compiled& machine) {
+  const std::vector<Index>& held = machine.options.equilibrium.hold_x;
+  State state = initial_state(machine.system);
+  const Vector start = state.x;
+  assemble_positions(machine.system, state, held);
+  return find_near_assembly(machine.system, state, start, held);
+}
+
+std::string start_at(const Place& place) { return R"("start": { "slide.x": )" + number(place.slide) + "}"; }
+
+TEST(Start, FindsTheOtherAssemblyNearTheDeadCentre) {
+  for (const double angle : {1e-4, 1e-3, 0.008, -0.003}) {
+    SCOPED_TRACE(angle);
+    const Place place(angle);
+    const Compiled machine = slider_crank(1.01 * place.crank, place.rod, start_at(place) + R"(, "hold": ["slide.x"])");
+    const std::optional<NearAssembly> other = near_assembly(machine);
+    ASSERT_TRUE(other);
+    // c closes to 1e-14, which sigma, of the size of the angle, turns into 1e-14 / angle.
+    EXPECT_TRUE(close(other->distance, place.to_the_other(), 1e-13 / (angle * angle)));
+    ASSERT_FALSE(other->coordinates.empty());
+    EXPECT_EQ(machine.system.x[static_cast<std::size_t>(other->coordinates[0].first)].name, "crank.angle");
+    EXPECT_NEAR(other->coordinates[0].second, -2.0 * angle, 1e-9);
+    ASSERT_EQ(other->kept.size(), 1U);
+    EXPECT_EQ(machine.system.x[static_cast<std::size_t>(other->kept[0])].name, "slide.x");
+    EXPECT_GT(other->moved, 0.009 * std::abs(angle));
+  }
+}
+
+// Of what the user gives nothing is held here; it counts as that which both assemblies share.
+TEST(Start, FindsItForCoordinatesThatAreGiven) {
+  const Place place(0.005);
+  const Compiled machine = slider_crank(place.crank, place.rod, start_at(place));
+  const std::optional<NearAssembly> other = near_assembly(machine);
+  ASSERT_TRUE(other);
+  // Without holding it, the assembly moves all: the crank is where that leaves it.
+  const Place there(consistent_start(machine.system, machine.options, 0.0).x[2]);
+  EXPECT_TRUE(close(other->distance, there.to_the_other(), 1e-8));
+}
+
+TEST(Start, IsSilentAwayFromTheDeadCentreAndWhereTheCrankIsHeld) {
+  const Place place(0.05);
+  const std::string hold = R"(, "hold": ["slide.x"])";
+  EXPECT_FALSE(near_assembly(slider_crank(place.crank, place.rod, start_at(place) + hold)));
+  EXPECT_FALSE(near_assembly(slider_crank(0.9 * place.crank, place.rod, start_at(place) + hold)));
+  // From start values close to the middle nobody can tell which one is meant.
+  EXPECT_TRUE(near_assembly(slider_crank(0.3 * place.crank, 0.3 * place.rod, start_at(place) + hold)));
+  const Place dead(0.001);
+  EXPECT_FALSE(near_assembly(slider_crank(dead.crank, dead.rod, R"("hold": ["crank.angle"])")));
+  EXPECT_FALSE(near_assembly(slider_crank(0.0, 0.0, R"("hold": ["crank.angle"])")));  // both are the same one
+}
+
+TEST(Start, SaysWhatIsNear) {
+  const Place place(0.003);
+  const Compiled machine = slider_crank(place.crank, place.rod, start_at(place) + R"(, "hold": ["slide.x"])");
+  for (const bool equilibrium : {false, true}) {
+    const std::vector<StartNote> notes = start_notes(machine.system, machine.options, equilibrium, 0.0);
+    ASSERT_EQ(notes.size(), 1U);
+    EXPECT_EQ(notes[0].kind, "near assembly");
+    EXPECT_EQ(notes[0].names.front(), "crank.angle");
+    for (const char* part : {"crank.angle -0.006 rad", "with the same slide.x", "B, A, O also close", "nominals away"})
+      EXPECT_NE(notes[0].found.find(part), std::string::npos) << notes[0].found;
+    EXPECT_NE(notes[0].remedy.find("give crank.angle a start value"), std::string::npos) << notes[0].remedy;
+  }
+}
+
+TEST(Start, HasNothingToSayAboutShippedScenes) {
+  int read = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(BRAMAH_SOURCE_DIR "/scenes")) {
+    if (entry.path().extension() != ".json") continue;
+    const std::string file = std::filesystem::relative(entry.path(), BRAMAH_SOURCE_DIR).string();
+    const Machine machine = load(file);
+    for (const StartNote& note : start_notes(machine.system(), machine.options(), false, 0.0))
+      ADD_FAILURE() << file << ": " << note.found;
+    ++read;
+  }
+  EXPECT_GE(read, 25);
+}
+
+// Long chains are soft along their longest wave, and have no other assembly.
+TEST(Start, IsSilentAboutLongChains) {
+  const Compiled chain = support::compiled(support::planar_chain(300, support::bent(0.1)));
+  EXPECT_TRUE(start_notes(chain.system, chain.options, false, 0.0).empty());
+}
+
+double rate(const Compiled& machine, const State& state, const std::string& name) {
+  return state.v[static_cast<std::size_t>(machine.system.find_x(name))];
+}
+
+TEST(Start, RatesThatNobodyGivesFollowThoseOfStart) {
+  const Place place(0.7);
+  const Compiled machine = slider_crank(place.crank, place.rod, R"("start": { "slide.x.rate": -2 })");
+  const State state = consistent_start(machine.system, machine.options, 0.0);
+  EXPECT_EQ(rate(machine, state, "slide.x"), -2.0);
+  // Positions are assembled from rough ones; the crank is where they leave it.
+  const Place there(state.x[static_cast<std::size_t>(machine.system.find_x("crank.angle"))]);
+  const double by_crank = -r * std::sin(there.crank) + r * std::cos(there.crank) * std::tan(there.rod);
+  EXPECT_TRUE(close(rate(machine, state, "crank.angle"), -2.0 / by_crank, 1e-13));
+  EXPECT_TRUE(start_notes(machine.system, machine.options, false, 0.0).empty());
+}
+
+// The measure of a length has no rate of its own to give; before, its zero slowed the rod down.
+TEST(Start, RatesOfMeasuresFollowParametersOfBodies) {
+  const Compiled machine = compile(read_scene_text(R"({ "bramah": 1, "libraries": ["mechanics"], "components": {
+    "ground": { "type": "mechanics/ground" },
+    "rod":    { "type": "mechanics/planar_body", "mass": 1, "inertia": 0.1, "position": [0.5, 0], "angular_velocity": 3 },
+    "hinge":  { "type": "mechanics/planar_revolute", "a": "ground", "b": "rod", "point_b": [-0.5, 0] },
+    "length": { "type": "mechanics/planar_stroke", "a": "ground", "point_a": [0, 1], "b": "rod", "point_b": [0.5, 0],
+                "length": 1.4142135623730951 } } })",
+                                                   "rod.json"),
+                                   registry());
+  const State state = consistent_start(machine.system, machine.options, 0.0);
+  EXPECT_EQ(rate(machine, state, "rod.angle"), 3.0);
+  EXPECT_TRUE(close(rate(machine, state, "rod.y"), 1.5, 1e-14));
+  EXPECT_TRUE(close(rate(machine, state, "length.s"), -3.0 / std::sqrt(2.0), 1e-14));
+  EXPECT_TRUE(start_notes(machine.system, machine.options, false, 0.0).empty());
+}
+
+TEST(Start, GivenRatesThatContradictEachOtherAreChangedAsLittleAsPossible) {
+  const Place place(0.7);
+  const std::string rates = R"("slide.x.rate": -2, "crank.angle.rate": 3 })";
+  const Compiled loose = slider_crank(place.crank, place.rod, R"("start": { )" + rates);
+  const State state = consistent_start(loose.system, loose.options, 0.0);
+  const Place there(state.x[static_cast<std::size_t>(loose.system.find_x("crank.angle"))]);
+  const double J = -r * std::sin(there.crank) + r * std::cos(there.crank) * std::tan(there.rod);
+  const double omega = (3.0 - 2.0 * J) / (1.0 + J * J);                // least (omega - 3)^2 + (J omega + 2)^2
+  EXPECT_TRUE(close(rate(loose, state, "crank.angle"), omega, 1e-7));  // the others weigh 1e-8
+  EXPECT_TRUE(close(rate(loose, state, "slide.x"), J * omega, 1e-7));
+  const std::vector<StartNote> notes = start_notes(loose.system, loose.options, false, 0.0);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_EQ(notes[0].kind, "rate changed");
+  EXPECT_EQ(notes[0].names, (std::vector<std::string>{"crank.angle.rate", "slide.x.rate"}));
+  EXPECT_NE(notes[0].found.find("crank.angle.rate from 3 to "), std::string::npos) << notes[0].found;
+
+  // What is held is not changed at all.
+  const Compiled machine = slider_crank(
+      place.crank, place.rod, R"("hold": ["slide.x"], "start": { "slide.x": )" + number(place.slide) + ", " + rates);
+  const State held = consistent_start(machine.system, machine.options, 0.0);
+  EXPECT_EQ(rate(machine, held, "slide.x"), -2.0);
+  EXPECT_TRUE(close(rate(machine, held, "crank.angle"),
+                    -2.0 / (-r * std::sin(place.crank) + r * std::cos(place.crank) * std::tan(place.rod)), 1e-12));
+}
+
+}  // namespace
+}  // namespace bramah::testing
