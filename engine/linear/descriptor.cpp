@@ -45,13 +45,17 @@ Request needed_blocks() {
 
 }  // namespace
 
-/// Along the reference motion, d(x, v, z)/dt = (v, a, zdot), every coefficient must keep its value.
+/// Along the reference motion, d(x, v, z)/dt = (v, a, zdot), every coefficient must keep its value; and C_x, which stands
+/// for d2/dt2 (C_x x), also its rate: where a machine starts to fall from rest, that alone tells that it does.
 void Descriptor::find_changes(const State& state) {
   changing_.clear();
   const auto moves = [](const Vector& rates) {
     return std::any_of(rates.begin(), rates.end(), [](double rate) { return rate != 0.0; });
   };
-  if (!moves(state.v) && !moves(state.zdot)) return;
+  bool starts = false;  // from rest; accelerations of an equilibrium are rounding
+  for (std::size_t i = 0; i < system_.x.size(); ++i)
+    starts = starts || std::abs(state.a[i]) > moving * system_.x[i].nominal;
+  if (!moves(state.v) && !starts && !moves(state.zdot)) return;
   Direction motion(system_);
   motion.state.x = state.v;
   motion.state.v = state.a;
@@ -66,17 +70,32 @@ void Descriptor::find_changes(const State& state) {
   }
   if (!changing_.empty()) return;
   SparsePlan rates = plan_;
-  for (std::size_t power = 0; power < 3; ++power) {
+  for (std::size_t power = 0; power < 3 && changing_.empty(); ++power) {
     double weights[3] = {};
     weights[power] = 1.0;
     rates.fill(blocks, weights);
-    for (std::size_t e = 0; e < rates.values().size(); ++e) {
-      const auto row = static_cast<std::size_t>(plan_.row()[e]);
-      if (std::abs(rates.values()[e]) <= moving * largest_[row]) continue;
-      changing_ = "a coefficient of " + row_name(plan_.row()[e]) + " changes along the reference motion, by " +
-                  digits(rates.values()[e]) + " per second";
-      return;
-    }
+    name_change(rates, " per second");
+  }
+  // d2/dt2 C_x is what the second derivative of the row has for its partials by x.
+  if (!changing_.empty() || !blocks_.evaluate(system_, state, Request{}.blocks({BRAMAH_S_X})).ok()) return;
+  const std::vector<Index> x = shifted(n(), 0),
+                           c = selected(system_.m() + system_.l(),
+                                        std::span(rows_).first(static_cast<std::size_t>(holonomic_)), n());
+  const Term term{BRAMAH_S_X, c, x, false, 0};
+  SparsePlan second(system_, size(), size(), {&term, 1});
+  const double one = 1.0;
+  second.fill(blocks_, {&one, 1});
+  name_change(second, " per second squared");
+}
+
+/// Of the coefficients' rates of change, the first that is not zero.
+void Descriptor::name_change(const SparsePlan& rates, const char* unit) {
+  for (std::size_t e = 0; e < rates.values().size(); ++e) {
+    const Index row = rates.row()[e];
+    if (std::abs(rates.values()[e]) <= moving * largest_[static_cast<std::size_t>(row)]) continue;
+    changing_ = "a coefficient of " + row_name(row) + " changes along the reference motion, by " +
+                digits(rates.values()[e]) + unit;
+    return;
   }
 }
 

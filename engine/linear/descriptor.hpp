@@ -56,6 +56,7 @@ class Descriptor {
 
  private:
   void find_changes(const State& state);
+  void name_change(const SparsePlan& rates, const char* unit);
   [[nodiscard]] std::string row_name(Index row) const;
 
   const System& system_;
