@@ -33,6 +33,8 @@ namespace {
 // Of a correction, relative to the variable or its nominal. Below `rounding`, Newton's method with a fresh matrix may
 // come to rest without getting smaller: what is left is rounding.
 constexpr double newton_tolerance = 1e-13, rounding = 1e-8;
+constexpr double grain = 2.2e-16;        // of a number
+constexpr double coarsest_grain = 1e-4;  // of a correction: what rounding may leave undecided
 constexpr int most_iterations = 20;
 // A fresh matrix costs about as much as so many iterations with the old one.
 constexpr double worth_a_matrix = 8.0;
@@ -94,6 +96,7 @@ class GeneralizedAlpha final : public Integrator {
   [[nodiscard]] bool solve();
   [[nodiscard]] bool evaluate_rows();
   [[nodiscard]] double correct(double part);
+  [[nodiscard]] double rounding_of_constraints();
   [[nodiscard]] bool form_matrix(const State& state, double h);
   [[nodiscard]] bool refresh_matrix() { return form_matrix(next_, h_); }
   [[noreturn]] void fail(const std::string& why, Index limiting = -1) const;
@@ -119,6 +122,7 @@ class GeneralizedAlpha final : public Integrator {
   State last_, next_;                            // t_n, t_{n+1}
   Vector alpha_, next_alpha_, w_, next_w_, mu_;  // (n), (n), (nz), (nz), (holonomic)
   Vector x_explicit_, weight_, rhs_;             // (n), (2n + nz), (size)
+  Vector since_fresh_, noise_;                   // (size) corrections since the first fresh matrix of a step; workspace
   Index worst_ = 0;                              // unknown of the largest correction
   std::string trouble_;
   IntegratorWork work_;
@@ -162,6 +166,8 @@ void GeneralizedAlpha::lay_out() {
   mu_.resize(at(holonomic_));
   weight_.resize(at(2 * n_ + nz_));
   rhs_.resize(at(size_));
+  since_fresh_.resize(at(size_));
+  noise_.resize(at(size_));
   // Unknowns over their nominals; a multiplier over the force that changes the rate of 1 kg by 1 m/s in a step.
   scale_.assign(at(size_), 1.0);
   for (Index i = 0; i < n_; ++i) scale_[at(i)] = scale_[at(n_ + i)] = system_.x[at(i)].nominal;
@@ -260,9 +266,14 @@ void GeneralizedAlpha::predict(Guess guess) {
 }
 
 /// Newton's method with an old matrix, as long as that is cheaper than a fresh one. False: not from this start.
+///
+/// Beside a singular position constraint rows fix x and v no better than rounding / sigma^2 does. Corrections then end on
+/// that level, the higher the nearer the matrix was taken: an iterate on which a matrix from farther away had come to rest
+/// is better than what a fresh one makes of it.
 bool GeneralizedAlpha::solve() {
   trouble_.clear();
   bool fresh = false, contracted = false;
+  double at_rest = HUGE_VAL;  // the last correction before the first fresh matrix
   if (matrix_at_.h != h_) fresh = refresh_matrix();
   double before = 0.0;
   for (int k = 0; k < most_iterations; ++k) {
@@ -281,13 +292,46 @@ bool GeneralizedAlpha::solve() {
     if (size <= newton_tolerance) return true;
     if (contraction < 1.0 && size * contraction / (1.0 - contraction) <= newton_tolerance) return true;
     if (size < rounding && contraction > 0.5 && (contracted || (fresh && k > 0))) return true;
+    if (at_rest < HUGE_VAL) {
+      for (std::size_t i = 0; i < at(size_); ++i) since_fresh_[i] += rhs_[i];
+    }
+    const bool go_back = at_rest < std::min(rounding, size);
+    if (k > 0 && contraction > 0.5 && (go_back || size < coarsest_grain) && size <= rounding_of_constraints()) {
+      if (!go_back) return true;
+      rhs_ = since_fresh_;
+      static_cast<void>(correct(-1.0));
+      return true;
+    }
     contracted = contraction < 0.1;
     fresh = k > 0 &&
             (contraction >= 1.0 || std::log(newton_tolerance / size) / std::log(contraction) > worth_a_matrix) &&
             refresh_matrix();
+    if (fresh && at_rest == HUGE_VAL) {
+      at_rest = size;
+      std::fill(since_fresh_.begin(), since_fresh_.end(), 0.0);
+    }
     before = size;
   }
   return false;
+}
+
+/// The correction that rounding of c and r alone can bring about, through the matrix at hand.
+double GeneralizedAlpha::rounding_of_constraints() {
+  const Index first_row = 2 * n_ + nz_;
+  std::fill(noise_.begin(), noise_.end(), 0.0);
+  for (Index j = 0; j < 2 * n_; ++j) {
+    const double value = grain * std::abs(j < n_ ? next_.x[at(j)] : next_.v[at(j - n_)]);
+    for (Index e = matrix_.start()[at(j)]; e < matrix_.start()[at(j) + 1]; ++e) {
+      if (matrix_.row()[at(e)] >= first_row)
+        noise_[at(matrix_.row()[at(e)])] += std::abs(matrix_.values()[at(e)]) * value;
+    }
+  }
+  for (Index row = first_row; row < size_; ++row) noise_[at(row)] *= std::cos(2.0 * static_cast<double>(row));
+  lu_.solve(noise_);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < weight_.size(); ++i)
+    largest = std::max(largest, std::abs(noise_[i] * scale_[i]) * weight_[i]);
+  return largest;
 }
 
 /// rhs_ = -rows at next_. False: they cannot be evaluated, trouble_ says why.
