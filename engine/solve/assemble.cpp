@@ -161,16 +161,17 @@ void look_for_contradiction(const System& system, State state, const Vector& sta
   if (sets.empty() || !close_positions(system, state, independent, fixed, blocks)) return;
   const Row& open = system.constraint(worst(blocks.c));
   const std::string& joint = system.component_name(open.component);
-  for (const RedundantSet& set : sets) {
-    if (!std::binary_search(set.components.begin(), set.components.end(), open.component)) continue;
-    throw AnalysisError("assembly",
-                        set.joints + " are redundant and inconsistent: when the others close, " + open.name +
-                            " stays open by " + with_unit(size_of(blocks.c), open.unit),
-                        "joints that agree where they support the same direction",
-                        "correct the points and axes of " + joint + " or of the others, or replace " + joint +
-                            " by a joint that leaves this direction free",
-                        "/components/" + joint);
-  }
+  const auto set = std::find_if(sets.begin(), sets.end(), [&](const RedundantSet& s) {
+    return std::binary_search(s.components.begin(), s.components.end(), open.component);
+  });
+  if (set == sets.end()) return;
+  throw AnalysisError("assembly",
+                      set->joints + " are redundant and inconsistent: when the others close, " + open.name +
+                          " stays open by " + with_unit(size_of(blocks.c), open.unit),
+                      "joints that agree where they support the same direction",
+                      "correct the points and axes of " + joint + " or of the others, or replace " + joint +
+                          " by a joint that leaves this direction free",
+                      "/components/" + joint);
 }
 
 /// The correction of v, repeated until it no longer helps; the largest |r| that is left. Linear in v: this is rounding or

@@ -105,6 +105,50 @@ TEST(Start, IsSilentAwayFromTheDeadCentreAndWhereTheCrankIsHeld) {
   EXPECT_FALSE(near_assembly(slider_crank(0.0, 0.0, R"("hold": ["crank.angle"])")));  // both are the same one
 }
 
+// A four-bar whose coupler and rocker nearly lie in line: with the crank as it is, both change sides of the line from the
+// crank's pin to the rocker's bearing.
+TEST(Start, FindsTheOtherAssemblyOfAFourBar) {
+  constexpr double crank = 1.0, coupler = 2.0, rocker = 1.5;
+  const double gap = 1e-4;                      // of the reach of coupler and rocker
+  const double reach = coupler + rocker - gap;  // from the crank's pin at (0, 1) to the rocker's bearing at (base, 0)
+  const double base = std::sqrt(reach * reach - crank * crank), slope = std::atan2(-crank, base);
+  const double at_pin = std::acos((coupler * coupler + reach * reach - rocker * rocker) / (2.0 * coupler * reach));
+  const double at_bearing = std::asin(coupler * std::sin(at_pin) / rocker);
+  const auto body = [](double x, double y, double angle) {
+    return R"({ "type": "mechanics/planar_body", "mass": 1, "inertia": 0.1, "position": [)" + number(x) + "," +
+           number(y) + R"(], "angle": )" + number(angle) + "}";
+  };
+  const double knee_x = coupler * std::cos(slope + at_pin), knee_y = 1.0 + coupler * std::sin(slope + at_pin);
+  const std::string text =
+      R"({ "bramah": 1, "libraries": ["mechanics"], "components": { "ground": { "type": "mechanics/ground" },
+    "crank": )" +
+      body(0.0, 0.5, 1.5707963267948966) + R"(, "coupler": )" +
+      body(0.5 * knee_x, 0.5 * (1.0 + knee_y), slope + at_pin) + R"(, "rocker": )" +
+      body(0.5 * (base + knee_x), 0.5 * knee_y, slope - at_bearing) + R"(,
+    "O": { "type": "mechanics/planar_revolute", "a": "ground", "b": "crank", "point_b": [-0.5, 0] },
+    "A": { "type": "mechanics/planar_revolute", "a": "crank", "point_a": [0.5, 0], "b": "coupler", "point_b": [-1, 0] },
+    "B": { "type": "mechanics/planar_revolute", "a": "coupler", "point_a": [1, 0], "b": "rocker", "point_b": [-0.75, 0] },
+    "C": { "type": "mechanics/planar_revolute", "a": "ground", "point_a": [)" +
+      number(base) + R"(, 0], "b": "rocker", "point_b": [0.75, 0] } }, "hold": ["crank.angle"] })";
+  const Compiled machine = compile(read_scene_text(text, "four_bar.json"), registry());
+  // Both centres lie half as far from the line as the knee, on either side of it.
+  const double centre = coupler * std::sin(at_pin);
+  const double expected =
+      std::sqrt(std::pow(2.0 * at_pin, 2) + std::pow(2.0 * at_bearing, 2) + 2.0 * std::pow(centre, 2));
+  std::vector<Index> held = machine.options.equilibrium.hold_x;
+  State state = initial_state(machine.system);
+  const Vector start = state.x;
+  assemble_positions(machine.system, state, held);
+  // Angles of a degree: reported for start values that are as rough.
+  Vector rough = start;
+  rough[static_cast<std::size_t>(machine.system.find_x("rocker.angle"))] += 0.02;
+  const std::optional<NearAssembly> other = find_near_assembly(machine.system, state, rough, held);
+  ASSERT_TRUE(other);
+  EXPECT_TRUE(close(other->distance, expected, 1e-8));
+  EXPECT_EQ(machine.system.x[static_cast<std::size_t>(other->coordinates[0].first)].name, "rocker.angle");
+  EXPECT_FALSE(find_near_assembly(machine.system, state, start, held));
+}
+
 TEST(Start, SaysWhatIsNear) {
   const Place place(0.003);
   const Compiled machine = slider_crank(place.crank, place.rod, start_at(place) + R"(, "hold": ["slide.x"])");
@@ -132,10 +176,16 @@ TEST(Start, HasNothingToSayAboutShippedScenes) {
   EXPECT_GE(read, 25);
 }
 
-// Long chains are soft along their longest wave, and have no other assembly.
-TEST(Start, IsSilentAboutLongChains) {
-  const Compiled chain = support::compiled(support::planar_chain(300, support::bent(0.1)));
-  EXPECT_TRUE(start_notes(chain.system, chain.options, false, 0.0).empty());
+// Long chains and ladders are soft along their longest wave, and have no other assembly nearby.
+TEST(Start, HasNothingToSayAboutFamiliesOfMachines) {
+  for (const support::Family& family : support::families()) {
+    for (const int size : {2, 30, 300}) {
+      if (family.name == std::string("spring_lattice") && size > 30) continue;
+      const Compiled machine = support::compiled(family.make(size));
+      for (const StartNote& note : start_notes(machine.system, machine.options, false, 0.0))
+        ADD_FAILURE() << family.name << ' ' << size << ": " << note.found;
+    }
+  }
 }
 
 double rate(const Compiled& machine, const State& state, const std::string& name) {
