@@ -175,8 +175,7 @@ int run(const Arguments& arguments) {
                  equilibrium_document(context.system(), *results.equilibrium, remark_on_start(context, true, results)));
   }
   if (needs_start(context.options())) remark_on_start(context, false, results);
-  results.linear =
-      linearize(context.compiled, context.options().linearize.prescribed, context.options().outputs);
+  results.linear = linearize(context.compiled, context.options().linearize.prescribed, context.options().outputs);
   folder.write("linear_model.json", linear_document(context.system(), results.linear));
   results.census = census_of(context.system(), results.linear);
   folder.write("spectrum.json", spectrum_document(context.system(), results.linear, results.census));
