@@ -45,17 +45,25 @@ Request needed_blocks() {
 
 }  // namespace
 
-/// Along the reference motion, d(x, v, z)/dt = (v, a, zdot), every coefficient must keep its value; and C_x, which stands
-/// for d2/dt2 (C_x x), also its rate: where a machine starts to fall from rest, that alone tells that it does.
+/// Along the reference motion every coefficient must keep its value; and C_x, which stands for d2/dt2 (C_x x), also its
+/// rate: where a machine starts to fall from rest, that alone tells that it does.
 void Descriptor::find_changes(const State& state) {
   changing_.clear();
   const auto moves = [](const Vector& rates) {
     return std::any_of(rates.begin(), rates.end(), [](double rate) { return rate != 0.0; });
   };
-  bool starts = false;  // from rest; accelerations of an equilibrium are rounding
+  bool falls = false;  // accelerations of an equilibrium are rounding
   for (std::size_t i = 0; i < system_.x.size(); ++i)
-    starts = starts || std::abs(state.a[i]) > moving * system_.x[i].nominal;
-  if (!moves(state.v) && !starts && !moves(state.zdot)) return;
+    falls = falls || std::abs(state.a[i]) > moving * system_.x[i].nominal;
+  const bool in_motion = moves(state.v) || moves(state.zdot);
+  if (!in_motion && !falls) return;
+  if (in_motion) find_rates(state);
+  if (changing_.empty()) find_second_rates(state);
+  if (changing_.empty() && !in_motion) find_rates(state);
+}
+
+/// Changes of coefficients along d(x, v, z)/dt = (v, a, zdot).
+void Descriptor::find_rates(const State& state) {
   Direction motion(system_);
   motion.state.x = state.v;
   motion.state.v = state.a;
@@ -76,16 +84,20 @@ void Descriptor::find_changes(const State& state) {
     rates.fill(blocks, weights);
     name_change(rates, " per second");
   }
-  // d2/dt2 C_x is what the second derivative of the row has for its partials by x.
-  if (!changing_.empty() || !blocks_.evaluate(system_, state, Request{}.blocks({BRAMAH_S_X})).ok()) return;
-  const std::vector<Index> x = shifted(n(), 0),
-                           c = selected(system_.m() + system_.l(),
-                                        std::span(rows_).first(static_cast<std::size_t>(holonomic_)), n());
-  const Term term{BRAMAH_S_X, c, x, false, 0};
-  SparsePlan second(system_, size(), size(), {&term, 1});
+}
+
+/// d2/dt2 C_x is what the second derivative of the row has for its partials by x.
+void Descriptor::find_second_rates(const State& state) {
+  if (second_rates_.columns() == 0) {
+    const std::span<const Index> holonomic = std::span(rows_).first(static_cast<std::size_t>(holonomic_));
+    const std::vector<Index> x = shifted(n(), 0), c = selected(system_.m() + system_.l(), holonomic, n());
+    const Term term{BRAMAH_S_X, c, x, false, 0};
+    second_rates_ = SparsePlan(system_, size(), size(), {&term, 1});
+  }
+  if (!blocks_.evaluate(system_, state, Request{}.blocks({BRAMAH_S_X})).ok()) return;
   const double one = 1.0;
-  second.fill(blocks_, {&one, 1});
-  name_change(second, " per second squared");
+  second_rates_.fill(blocks_, {&one, 1});
+  name_change(second_rates_, " per second squared");
 }
 
 /// Of the coefficients' rates of change, the first that is not zero.

@@ -56,6 +56,8 @@ class Descriptor {
 
  private:
   void find_changes(const State& state);
+  void find_rates(const State& state);
+  void find_second_rates(const State& state);
   void name_change(const SparsePlan& rates, const char* unit);
   [[nodiscard]] std::string row_name(Index row) const;
 
@@ -63,7 +65,7 @@ class Descriptor {
   std::vector<Index> rows_;
   Index holonomic_ = 0, states_ = 0;
   Blocks blocks_;
-  SparsePlan plan_;
+  SparsePlan plan_, second_rates_;  // of P(s); of d2/dt2 C_x, made where it is needed
   Vector coefficient_[3], nominal_;
   Vector largest_;  // coefficient of each row
   std::string changing_;
