@@ -10,11 +10,13 @@ namespace {
 // Work within a step that is rounding, as part of the energy of motion: where nothing brings in power, steps are not halved.
 constexpr double trifle = 1e-14;
 
+double add_magnitude(double sum, double term) { return sum + std::abs(term); }
+
 }  // namespace
 
 double EnergyBalance::relative() const {
-  const double turned_over = std::max(activity, brought_in + taken_out);
-  return turned_over > 0.0 ? unaccounted / turned_over : 0.0;
+  constexpr double rounding = 1e-12;
+  return unaccounted > rounding * size ? unaccounted / std::max(activity, brought_in + taken_out) : 0.0;
 }
 
 EnergyBook::EnergyBook(const System& system, std::span<const Index> rows)
@@ -51,6 +53,8 @@ bool EnergyBook::evaluate(const State& state) {
     balance_.unknown = mute.name + " (" + mute.type->name + ") does not say what it stores";
   }
   balance_.activity = std::max(balance_.activity, energies_.activity());
+  const Vector& energy = energies_.energy();
+  balance_.size = std::max(balance_.size, std::accumulate(energy.begin(), energy.end(), 0.0, add_magnitude));
   return balance_.unknown.empty();
 }
 
@@ -73,9 +77,8 @@ void EnergyBook::step(const State& end, const Interpolate& interpolate, State& m
   const Vector& energy = energies_.energy();
   balance_.at_end = std::accumulate(energy.begin(), energy.end(), 0.0);
 
-  const auto magnitude = [](double sum, double power) { return sum + std::abs(power); };
-  const double powers = std::accumulate(after_.begin(), after_.end(),
-                                        std::accumulate(before_.begin(), before_.end(), 0.0, magnitude), magnitude);
+  const double powers = std::accumulate(
+      after_.begin(), after_.end(), std::accumulate(before_.begin(), before_.end(), 0.0, add_magnitude), add_magnitude);
   if (powers * length > trifle * balance_.activity) {
     interpolate(before + 0.5 * length, middle);
     if (!evaluate(middle)) return;

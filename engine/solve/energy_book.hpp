@@ -23,7 +23,8 @@ struct EnergyBalance {
   std::string most_brought_in, most_taken_out;  // the components with the largest shares
   double unaccounted = 0.0;                     // J, the largest on the way
   double activity = 0.0;                        // J, the largest energy of motion and pressure on the way
-  /// What is unaccounted for, over the energy that was turned over.
+  double size = 0.0;  // J, the largest sum of magnitudes over components, of which all is rounded
+  /// What is unaccounted for, over the energy that was turned over; 0 where it may be rounding.
   [[nodiscard]] double relative() const;
 };
 

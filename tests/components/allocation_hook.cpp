@@ -6,10 +6,15 @@
 namespace {
 std::size_t count = 0;
 
-void* allocate(std::size_t bytes, std::size_t alignment) {
+constexpr std::size_t usual = alignof(std::max_align_t);
+
+void* try_allocate(std::size_t bytes, std::size_t alignment) noexcept {
   ++count;
   const std::size_t whole = (bytes + alignment - 1) / alignment * alignment;  // as aligned_alloc wants it
-  void* memory = std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
+  return std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
+}
+void* allocate(std::size_t bytes, std::size_t alignment) {
+  void* memory = try_allocate(bytes, alignment);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
@@ -17,8 +22,10 @@ void* allocate(std::size_t bytes, std::size_t alignment) {
 
 extern "C" std::size_t bramah_allocation_count() { return count; }
 
-void* operator new(std::size_t bytes) { return allocate(bytes, alignof(std::max_align_t)); }
-void* operator new[](std::size_t bytes) { return allocate(bytes, alignof(std::max_align_t)); }
+void* operator new(std::size_t bytes) { return allocate(bytes, usual); }
+void* operator new[](std::size_t bytes) { return allocate(bytes, usual); }
+void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept { return try_allocate(bytes, usual); }
+void* operator new[](std::size_t bytes, const std::nothrow_t&) noexcept { return try_allocate(bytes, usual); }
 void* operator new(std::size_t bytes, std::align_val_t a) { return allocate(bytes, static_cast<std::size_t>(a)); }
 void* operator new[](std::size_t bytes, std::align_val_t a) { return allocate(bytes, static_cast<std::size_t>(a)); }
 void operator delete(void* memory) noexcept { std::free(memory); }

@@ -132,6 +132,15 @@ TEST(EnergyBookOfConstraints, ThatMoveDoWork) {
                     -m * A * A * omega * omega * omega * std::sin(omega * t) * std::cos(omega * t), 1e-8));
 }
 
+TEST(EnergyBookAtRest, TakesRoundingForRounding) {
+  // A door that hangs still: 287 J against the origin, and nothing moves.
+  const Machine machine = load("scenes/redundant/door.json");
+  const EnergyBalance book = run(machine, Kind::explicit_one_step, 1e-9, 1.0).statistics.energy;
+  EXPECT_GT(book.at_start, 200.0);
+  EXPECT_LT(book.activity, 1e-12);
+  EXPECT_EQ(book.relative(), 0.0);
+}
+
 TEST(EnergyBookOfWrongRuns, ShowsThem) {
   // All error tests pass, and the energy is wrong: the pendulum's period by a third and more.
   const Machine machine = load("scenes/benchmarks/pendulum.json");

@@ -40,9 +40,8 @@ TEST_P(Shipped, CompilesAndReachesItsReferenceState) {
   }
 }
 
-TEST_P(Shipped, SimulatesWhatItAsksFor) {
+TEST_P(Shipped, Simulates) {
   const Machine machine = load(GetParam());
-  if (!machine.options().simulate.asked) return;
   SimulateOptions options = machine.options().simulate;
   const bool equilibrium = options.from == SimulateOptions::From::equilibrium;
   const State start = reference_state(machine.system(), machine.options(), equilibrium, options.from_time);
@@ -53,6 +52,8 @@ TEST_P(Shipped, SimulatesWhatItAsksFor) {
   EXPECT_DOUBLE_EQ(run.last.t, options.to_time);
   EXPECT_GT(outputs, 1);
   EXPECT_LT(run.statistics.worst_position, 10.0 * options.rel_tol) << run.statistics.worst_position_row;
+  EXPECT_EQ(run.statistics.energy.unknown, "");
+  EXPECT_LT(run.statistics.energy.relative(), 1e3 * options.rel_tol) << run.statistics.energy.unaccounted << " J";
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Shipped, ::testing::ValuesIn(shipped()), [](const auto& p) {
