@@ -24,7 +24,7 @@ const std::string steps_note =
     "Mean cost of one step over the number of bodies: planar chains that fall, and ladders of four-bars, in motion, start-up "
     "apart; outputs off, the book of energy on. Growth: exponent of the step over the last three sizes.";
 const std::string real_time_note =
-    "Scenes from start to end by `generalized_alpha` with steps of 1 ms; the last column is a share of what was turned over.";
+    "Scenes from start to end by generalized_alpha with steps of 1 ms; the last column is a share of what was turned over.";
 
 // Of a figure 0 ... 4, of a table's column: the same order everywhere.
 constexpr const char* rungs[] = {"reduced", "pencil", "augmented", "sparse_differences", "differences"};
@@ -402,14 +402,24 @@ void make_page(const std::string& name) {
   page.heading("Steps of the engine");
   page.table(micro_table(results), "Medians and their variation.");
   write(root + "/docs/benchmarks.html", page.html(conditions(results)));
-  for (const auto& [figure_name, figure] : figures)
-    write(root + "/docs/images/benchmarks_" + figure_name + ".svg", plot::svg(figure, true));
-  write_between_marks(root + "/docs/benchmarks.md",
-                      "\n" + conditions(results) + ". " + std::to_string(met) + " of " + std::to_string(goals.size()) +
-                          " goals are met.\n\n" + markdown(goals_table(goals)) + "\n### Rungs\n\n" +
-                          markdown(rungs_table(results)) + "\n### Workloads\n\n" + markdown(workloads_table(results)) +
-                          "\n### Cost of a step\n\n" + steps_note + "\n\n" + markdown(steps_table(results)) +
-                          "\n### Real time\n\n" + real_time_note + "\n\n" + markdown(real_time_table(results)) + "\n");
+  for (const auto& [figure_name, figure] : figures) {
+    std::string file = root;
+    file.append("/docs/images/benchmarks_").append(figure_name).append(".svg");
+    write(file, plot::svg(figure, true));
+  }
+  std::string text = "\n" + conditions(results);
+  text.append(". ").append(std::to_string(met)).append(" of ").append(std::to_string(goals.size()));
+  text.append(" goals are met.\n\n").append(markdown(goals_table(goals)));
+  const auto section = [&text](const char* heading, const std::string& note, const Table& table) {
+    text.append("\n### ").append(heading).append("\n\n");
+    if (!note.empty()) text.append(note).append("\n\n");
+    text += markdown(table);
+  };
+  section("Rungs", "", rungs_table(results));
+  section("Workloads", "", workloads_table(results));
+  section("Cost of a step", steps_note, steps_table(results));
+  section("Real time", real_time_note, real_time_table(results));
+  write_between_marks(root + "/docs/benchmarks.md", text + "\n");
 }
 
 }  // namespace

@@ -237,8 +237,8 @@ void equilibrium_chain(const Arguments& arguments) {
   double error = 0.0;
   for (Index row = 0; row < model.system.m(); ++row) {
     const bool vertical = row % 2 == 1;  // rows x and y of joint 1, 2, ...
-    const double weight =
-        vertical ? static_cast<double>(arguments.N - row / 2) * support::rod_mass * support::gravity : 0.0;
+    const Index joint = row / 2, below = arguments.N - joint;
+    const double weight = vertical ? static_cast<double>(below) * support::rod_mass * support::gravity : 0.0;
     error = std::max(error, std::abs(std::abs(found.state.lambda[static_cast<std::size_t>(row)]) - weight));
   }
   add_times(line, time, error / (arguments.N * support::rod_mass * support::gravity), found.iterations);
@@ -252,7 +252,7 @@ void load_chain(const Arguments& arguments) {
   Line line(arguments);
   Index n = 0;
   const Elapsed time = median_elapsed([&] { n = compiled(read_scene_text(text, "chain.json")).system.n(); });
-  add_times(line, time, n == 3 * arguments.N ? 0.0 : NAN, 1);
+  add_times(line, time, n == Index{3} * arguments.N ? 0.0 : NAN, 1);
   line.add("bytes", text.size()).print();
 }
 
