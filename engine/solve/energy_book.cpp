@@ -4,13 +4,18 @@
 #include <cmath>
 #include <numeric>
 
+#include "system/analysis_error.hpp"
+
 namespace bramah {
 namespace {
 
 // Work within a step that is rounding, as part of the energy of motion: where nothing brings in power, steps are not halved.
 constexpr double trifle = 1e-14;
 
-double add_magnitude(double sum, double term) { return sum + std::abs(term); }
+double total(const Vector& shares) { return std::accumulate(shares.begin(), shares.end(), 0.0); }
+double total_magnitude(const Vector& shares) {
+  return std::accumulate(shares.begin(), shares.end(), 0.0, [](double sum, double s) { return sum + std::abs(s); });
+}
 
 }  // namespace
 
@@ -43,7 +48,12 @@ bool EnergyBook::evaluate(const State& state) {
   const bool reactions = constraints_move(state);
   if (reactions) {
     now_ = state;
-    kkt_->complete(now_, blocks_);
+    try {
+      kkt_->complete(now_, blocks_);
+    } catch (const AnalysisError& error) {  // the run goes on, as its integrator can
+      balance_.unknown = error.found();
+      return false;
+    }
   }
   const Outcome outcome = energies_.evaluate(reactions ? now_ : state, reactions);
   if (!outcome.ok()) {
@@ -53,8 +63,7 @@ bool EnergyBook::evaluate(const State& state) {
     balance_.unknown = mute.name + " (" + mute.type->name + ") does not say what it stores";
   }
   balance_.activity = std::max(balance_.activity, energies_.activity());
-  const Vector& energy = energies_.energy();
-  balance_.size = std::max(balance_.size, std::accumulate(energy.begin(), energy.end(), 0.0, add_magnitude));
+  balance_.size = std::max(balance_.size, total_magnitude(energies_.energy()));
   return balance_.unknown.empty();
 }
 
@@ -64,8 +73,7 @@ void EnergyBook::begin(const State& state) {
   after_ = energies_.power();
   if (begun_) return;
   begun_ = true;
-  const Vector& energy = energies_.energy();
-  balance_.at_start = balance_.at_end = std::accumulate(energy.begin(), energy.end(), 0.0);
+  balance_.at_start = balance_.at_end = total(energies_.energy());
 }
 
 void EnergyBook::step(const State& end, const Interpolate& interpolate, State& middle) {
@@ -74,12 +82,9 @@ void EnergyBook::step(const State& end, const Interpolate& interpolate, State& m
   if (!evaluate(end)) return;
   time_ = end.t;
   after_ = energies_.power();
-  const Vector& energy = energies_.energy();
-  balance_.at_end = std::accumulate(energy.begin(), energy.end(), 0.0);
+  balance_.at_end = total(energies_.energy());
 
-  const double powers = std::accumulate(
-      after_.begin(), after_.end(), std::accumulate(before_.begin(), before_.end(), 0.0, add_magnitude), add_magnitude);
-  if (powers * length > trifle * balance_.activity) {
+  if ((total_magnitude(before_) + total_magnitude(after_)) * length > trifle * balance_.activity) {
     interpolate(before + 0.5 * length, middle);
     if (!evaluate(middle)) return;
     for (std::size_t c = 0; c < after_.size(); ++c) {
@@ -96,7 +101,7 @@ EnergyBalance EnergyBook::balance() const {
   const auto sum = [&](const Vector& shares, std::string& most) {
     const auto largest = std::max_element(shares.begin(), shares.end());
     if (largest != shares.end() && *largest > 0.0) most = system_.component_name(largest - shares.begin());
-    return std::accumulate(shares.begin(), shares.end(), 0.0);
+    return total(shares);
   };
   balance.brought_in = sum(brought_in_, balance.most_brought_in);
   balance.taken_out = sum(taken_out_, balance.most_taken_out);
