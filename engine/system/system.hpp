@@ -40,6 +40,17 @@ struct Row {
   std::string name;  // "hinge.x"
   std::string unit;
   Index component = 0;
+  double nominal = 1.0;  // size of its terms in this machine, in its unit: a length for m, 1 for rad and 1
+};
+
+/// The machine's own sizes, SI: every limit of the engine is a part of these, none is absolute.
+struct Scales {
+  double length = 1.0;                                                                    // m
+  double mass = 1.0;                                                                      // kg
+  double time = 1.0;                                                                      // s
+  double pressure = 1e6;                                                                  // Pa
+  [[nodiscard]] double force() const { return mass * length / (time * time); }            // N
+  [[nodiscard]] double energy() const { return mass * length * length / (time * time); }  // J
 };
 
 struct InputSignal {
@@ -132,7 +143,8 @@ class System {
   std::vector<Component> components;
   std::vector<Constant> constants;
   std::vector<Group> groups;
-  Vector x_constants, z_constants;           // what ports without a variable read
+  Vector x_constants, z_constants;  // what ports without a variable read
+  Scales scales;
   std::shared_ptr<const Registry> registry;  // keeps the libraries' files known for messages
 
   [[nodiscard]] Index n() const { return static_cast<Index>(x.size()); }
