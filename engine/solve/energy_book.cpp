@@ -20,8 +20,11 @@ double total_magnitude(const Vector& shares) {
 }  // namespace
 
 double EnergyBalance::relative() const {
-  constexpr double rounding = 1e-12;
-  return unaccounted > rounding * size ? unaccounted / std::max(activity, brought_in + taken_out) : 0.0;
+  // Steps keep positions to a tolerance, and so the energies that are stored there: below this part of them nothing is
+  // resolved, however little moves.
+  constexpr double rounding = 1e-12, resolved = 1e-7;
+  const double turned_over = std::max({activity, brought_in + taken_out, resolved * size});
+  return unaccounted > rounding * size ? unaccounted / turned_over : 0.0;
 }
 
 EnergyBook::EnergyBook(const System& system, std::span<const Index> rows)

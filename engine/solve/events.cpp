@@ -6,8 +6,14 @@
 namespace bramah {
 namespace {
 
-// A function counts as zero within this part of its nominal: it must leave this band before it can have a zero again.
+// A function counts as zero within this part of its size: it must leave this band before it can have a zero again. The
+// size of a switching function is its nominal, that of a condition its level; at level 0 the largest magnitude that the
+// watched quantity had.
 constexpr double band = 1e-9;
+// What a machine of nominal size shows by rounding alone.
+constexpr double rounding = 1e-15;
+// A method that meets the state of an event anew may come back to the old side by this part of the size.
+constexpr double settled = 1e-6;
 // Zeros are located to this part of the step.
 constexpr double resolution = 1e-13;
 
@@ -16,20 +22,23 @@ constexpr double resolution = 1e-13;
 Events::Events(const System& system, const SimulateOptions& options, Kkt& kkt)
     : system_(system), kkt_(kkt), switches_(system), conditions_(options.events), blocks_(system) {
   if (options.meet_switches) {
-    for (const Switches::Info& info : switches_.info()) nominal_.push_back(info.nominal);
+    for (const Switches::Info& info : switches_.info()) size_.push_back(info.nominal);
   }
-  switching_ = nominal_.size();
+  switching_ = size_.size();
+  least_.assign(switching_, 0.0);
   std::vector<Measured> watched;
   for (const EventOptions& condition : conditions_) {
     watched.push_back(condition.of);
-    nominal_.push_back(condition.level == 0.0 ? 1.0 : std::abs(condition.level));
+    size_.push_back(std::abs(condition.level));
+    least_.push_back(rounding);
     using Kind = Measured::Kind;
     const Kind kind = condition.of.kind;
     needs_forces_ |=
         kind == Kind::a || kind == Kind::zdot || kind == Kind::lambda || kind == Kind::y || kind == Kind::power;
   }
   meter_.emplace(system, std::move(watched));
-  signs_.assign(nominal_.size(), 0);
+  signs_.assign(size_.size(), 0);
+  fresh_.assign(size_.size(), false);
 }
 
 std::string Events::name(std::size_t event) const {
@@ -51,28 +60,46 @@ const Vector& Events::evaluate(State& state) {
     kkt_.complete(state, blocks_);
   }
   const Vector& watched = meter_->read(state);
-  for (std::size_t k = 0; k < conditions_.size(); ++k) values_.push_back(watched[k] - conditions_[k].level);
+  for (std::size_t k = 0; k < conditions_.size(); ++k) {
+    values_.push_back(watched[k] - conditions_[k].level);
+    if (conditions_[k].level == 0.0 && std::isfinite(watched[k]))
+      size_[switching_ + k] = std::max(size_[switching_ + k], std::abs(watched[k]));
+  }
   return values_;
 }
 
 int Events::sign(std::size_t event, double value) const {
-  if (std::isnan(value) || std::abs(value) <= band * nominal_[event]) return 0;
-  return value > 0.0 ? 1 : -1;
+  if (std::isnan(value) || std::abs(value) <= std::max(band * size_[event], least_[event])) return 0;
+  const int now = value > 0.0 ? 1 : -1;
+  return fresh_[event] && now == -signs_[event] && std::abs(value) <= settled * size_[event] ? 0 : now;
 }
 
-/// Whether a change of sign to `to` is an event: conditions count in their direction only.
+/// Whether a change of sign to `to` is an event: conditions count in their direction only, and also where they leave the
+/// level on which they started.
 bool Events::counts(std::size_t event, int to) const {
-  if (signs_[event] == 0 || to == 0 || to == signs_[event]) return false;
   const EventOptions* watched = condition(event);
+  if (to == 0 || to == signs_[event] || (signs_[event] == 0 && watched == nullptr)) return false;
   return watched == nullptr || watched->rises == (to > 0);
 }
 
-void Events::arm(State& state) {
-  if (none()) return;
+void Events::note(std::size_t event, int now) {
+  if (now == 0) return;
+  signs_[event] = now;
+  fresh_[event] = false;
+}
+
+std::optional<Events::Hit> Events::arm(State& state) {
+  if (none()) return std::nullopt;
   const Vector& values = evaluate(state);
+  Hit hit{state.t, {}};
   for (std::size_t k = 0; k < signs_.size(); ++k) {
-    if (const int now = sign(k, values[k]); now != 0) signs_[k] = now;
+    const int now = sign(k, values[k]);
+    if (armed_ && condition(k) != nullptr && signs_[k] != 0 && counts(k, now)) hit.what.push_back(k);
+    note(k, now);
   }
+  armed_ = true;
+  if (hit.what.empty()) return std::nullopt;
+  return hit;
 }
 
 /// Regula falsi of Illinois on [low, high], where the sign changes; the end beyond the zero.
@@ -118,12 +145,13 @@ std::optional<Events::Hit> Events::find(double before, double reached, const Int
       if (time == first->time) first->what.push_back(k);
     }
     if (first) {
-      for (const std::size_t k : first->what) signs_[k] = -signs_[k];
+      for (const std::size_t k : first->what) {
+        signs_[k] = before_[k] > 0.0 ? 1 : -1;
+        fresh_[k] = true;
+      }
       return first;
     }
-    for (std::size_t k = 0; k < signs_.size(); ++k) {
-      if (const int now = sign(k, before_[k]); now != 0) signs_[k] = now;
-    }
+    for (std::size_t k = 0; k < signs_.size(); ++k) note(k, sign(k, before_[k]));
     low = high;
   }
   return std::nullopt;

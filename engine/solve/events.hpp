@@ -31,8 +31,9 @@ class Events {
   /// The scene's condition, null for a switching function.
   [[nodiscard]] const EventOptions* condition(std::size_t event) const;
 
-  /// Notes on which side of every event `state` lies, where integration starts.
-  void arm(State& state);
+  /// Notes on which side of every event `state` lies, where integration starts; with the conditions that a jump at this
+  /// time has made true, an input's or that of another event. Not at the first start: what is true there has not come true.
+  std::optional<Hit> arm(State& state);
   /// The first event after `before` and not after `reached`, both within the last step; `state` is workspace. Zeros are
   /// looked for between `before`, the middle of the step and its end.
   std::optional<Hit> find(double before, double reached, const Interpolate& interpolate, State& state);
@@ -41,6 +42,7 @@ class Events {
   const Vector& evaluate(State& state);
   [[nodiscard]] int sign(std::size_t event, double value) const;
   [[nodiscard]] bool counts(std::size_t event, int to) const;
+  void note(std::size_t event, int now);
   double locate(std::size_t event, double low, double high, const Interpolate& interpolate, State& state);
 
   const System& system_;
@@ -51,8 +53,11 @@ class Events {
   bool needs_forces_ = false;   // a condition watches what only the KKT solve gives
   std::optional<Meter> meter_;  // of what conditions watch
   Blocks blocks_;
-  Vector values_, nominal_, before_;
-  std::vector<int> signs_;  // side of each event; 0: on its zero since the start
+  Vector values_, before_;
+  Vector least_, size_;      // of each event: what is rounding; its level, or the largest magnitude that it had
+  std::vector<int> signs_;   // side of each event; 0: on its zero since the start
+  std::vector<bool> fresh_;  // has just happened: until the new side is reached, the old one does not count
+  bool armed_ = false;
 };
 
 }  // namespace bramah

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "solve/assemble.hpp"
@@ -85,7 +86,7 @@ class Run {
 
  private:
   [[nodiscard]] Checkpoint checkpoint() const;
-  void begin_segment();
+  std::optional<Events::Hit> begin_segment();
   void march_segment();
   void settle(const Events::Hit& hit);
   void take(const Events::Hit& hit);
@@ -106,14 +107,16 @@ class Run {
   State state_, shown_;  // reached; where an output is made
   double segment_end_ = 0.0;
   bool running_ = true, started_ = false, resumed_ = false;
-  Vector memory_;    // of the checkpoint to go on from
+  Vector memory_;  // of the checkpoint to go on from
+  double last_event_ = -HUGE_VAL;
   int crowded_ = 0;  // events in a row that came too soon
   std::vector<long> limited_;
   Stopwatch watch_;
   Simulation result_;
 };
 
-void Run::begin_segment() {
+/// Starts behind a jump, or at the start; with the conditions that the jump has made true.
+std::optional<Events::Hit> Run::begin_segment() {
   segment_end_ = std::min(options_.to_time, next_breakpoint(system_, state_.t));
   state_.side = 1;
   apply_inputs(system_, state_);
@@ -121,10 +124,12 @@ void Run::begin_segment() {
   kkt_.complete(state_, blocks_);
   integrator_.begin(state_, segment_end_);
   if (!memory_.empty()) integrator_.recall(std::exchange(memory_, {}));
-  events_.arm(state_);
+  shown_.held = state_.held;  // what is shown has the inputs that are integrated
+  const auto hit = events_.arm(state_);
   book_.begin(state_);
   if (started_) ++result_.statistics.restarts;
   started_ = true;
+  return hit;
 }
 
 void Run::recall(const Vector& memory) {
@@ -170,6 +175,19 @@ void Run::settle(const Events::Hit& hit) {
 
 /// What the scene asks for at an event; outputs on both sides where it does.
 void Run::take(const Events::Hit& hit) {
+  const double distance = hit.time - last_event_;
+  last_event_ = hit.time;
+  crowded_ = distance < least_distance * (options_.to_time - options_.from_time) ? crowded_ + 1 : 0;
+  if (crowded_ > most_crowded_events) {
+    const std::string& name = events_.name(hit.what.front());
+    throw AnalysisError(
+        "simulate",
+        "at t = " + digits(hit.time, 6) + " s events follow each other without end, " + digits(distance) +
+            " s apart, the last one is " + name,
+        "events with time between them",
+        "move the levels of events that switch back and forth further apart, or replace the switch by a steep law",
+        events_.condition(hit.what.front()) != nullptr ? "/simulate/events" : "/components");
+  }
   bool shown = false;
   for (const std::size_t event : hit.what) {
     result_.events.push_back({hit.time, events_.name(event)});
@@ -228,11 +246,6 @@ void Run::march_segment() {
     if (hit) take(*hit);
     if (observer_.checkpoint_due && observer_.checkpoint_due()) observer_.checkpoint(checkpoint());
     if (!hit) continue;
-    crowded_ = step < least_distance * (options_.to_time - options_.from_time) ? crowded_ + 1 : 0;
-    if (crowded_ > most_crowded_events)
-      throw stalled(system_, reached, step,
-                    "events follow each other without end, the last one is " + events_.name(hit->what.front()), "",
-                    integrator_.limiting());
     return;
   }
 }
@@ -243,10 +256,14 @@ Simulation Run::march() {
     while (state_.t < options_.to_time && running_) {
       const bool first = !started_;
       const double breakpoint = segment_end_;
-      begin_segment();
+      const auto hit = begin_segment();
       // The start, and the far side of every jump of an input.
       if (observer_.output && (first ? !resumed_ : state_.t == breakpoint)) observer_.output(state_);
-      march_segment();
+      if (hit) {
+        take(*hit);  // may change inputs, and with them what is true
+      } else {
+        march_segment();
+      }
     }
     kkt_.complete(state_, blocks_);
   } catch (const AnalysisError& error) {
