@@ -9,6 +9,7 @@
 
 #include "solve/assemble.hpp"
 #include "solve/choose_integrator.hpp"
+#include "solve/dropped_rows.hpp"
 #include "solve/events.hpp"
 #include "solve/kkt.hpp"
 #include "system/analysis_error.hpp"
@@ -71,7 +72,8 @@ class Run {
         chosen_(choose_integrator(system, options, start)),
         integrator_(*chosen_.integrator),
         blocks_(system),
-        kkt_(system, choose_partition(system, start).rows),
+        dropped_(system, choose_partition(system, start), start, options.rel_tol),
+        kkt_(system, dropped_.kept()),
         book_(system, kkt_.rows()),
         events_(system, options, kkt_),
         schedule_(options, start.t),
@@ -100,6 +102,7 @@ class Run {
   ChosenIntegrator chosen_;
   Integrator& integrator_;
   Blocks blocks_;
+  DroppedRows dropped_;
   Kkt kkt_;
   EnergyBook book_;
   Events events_;
@@ -163,6 +166,7 @@ void Run::note_step(double step) {
     s.worst_velocity = violation.velocity;
     s.worst_velocity_row = system_.constraint(violation.velocity_row).name;
   }
+  dropped_.look(state_, blocks_);
 }
 
 /// Puts the state of an event back onto the constraints, from which interpolation has taken it.
