@@ -194,17 +194,45 @@ double close_velocities(const System& system, State& state, NearestPoint& neares
   }
 }
 
-/// True where the rates that are not given can follow those that are, which stay to the last bit.
+/// Coordinates with mass at `state`. The others, like a length that is only measured, have no say in the start.
+std::vector<Index> with_mass(const System& system, const State& state, Blocks& blocks) {
+  const std::vector<Index> all = shifted(system.n(), 0);
+  const Term terms[] = {{BRAMAH_F_A, all, all, false, 0}};
+  SparsePlan mass(system, system.n(), system.n(), terms);
+  if (!blocks.evaluate(system, state, Request{}.blocks({BRAMAH_F_A})).ok()) return all;
+  const double weights[] = {1.0};
+  mass.fill(blocks, weights);
+  std::vector<Index> heavy;
+  for (const Index i : all) {
+    const auto first = mass.values().begin() + mass.start()[static_cast<std::size_t>(i)];
+    const auto last = mass.values().begin() + mass.start()[static_cast<std::size_t>(i) + 1];
+    if (std::any_of(first, last, [](double value) { return value != 0.0; })) heavy.push_back(i);
+  }
+  return heavy;
+}
+
+/// True where the rates that are not given can follow those that are, which stay to the last bit: those without mass
+/// alone where this is enough, or else all.
 bool follow(const System& system, State& state, std::span<const Index> fixed, std::span<const Index> given,
             std::span<const Index> rows, Blocks& blocks) {
   constexpr double exactly = 1e-3;  // of what is tolerated: what is given may be contradictory beyond rounding
   std::vector<Index> kept(fixed.begin(), fixed.end());
   kept.insert(kept.end(), given.begin(), given.end());
-  NearestPoint nearest(system, rows, BRAMAH_R_V, kept);
   const Vector start = state.v;
-  if (close_velocities(system, state, nearest, blocks) <= exactly * velocity_tolerance * rate_scale(state)) return true;
-  state.v = start;
-  return false;
+  const auto closes = [&](std::span<const Index> held) {
+    NearestPoint nearest(system, rows, BRAMAH_R_V, held);
+    if (close_velocities(system, state, nearest, blocks) <= exactly * velocity_tolerance * rate_scale(state))
+      return true;
+    state.v = start;
+    return false;
+  };
+  const std::vector<Index> heavy = with_mass(system, state, blocks);
+  if (heavy.size() < static_cast<std::size_t>(system.n())) {
+    std::vector<Index> all_heavy(kept);
+    all_heavy.insert(all_heavy.end(), heavy.begin(), heavy.end());
+    if (closes(all_heavy)) return true;
+  }
+  return closes(kept);
 }
 
 }  // namespace

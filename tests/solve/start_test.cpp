@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -63,6 +64,25 @@ std::optional<NearAssembly> near_assembly(const Compiled& machine) {
 }
 
 std::string start_at(const Place& place) { return R"("start": { "slide.x": )" + number(place.slide) + "}"; }
+
+/// A cart with one rate of its own given, seen by a length from (-1, 0) to its point (0, 1).
+TEST(Start, AMeasuredLengthHasNoSayInTheRates) {
+  const Compiled machine = compile(read_scene_text(R"({ "bramah": 1, "libraries": ["mechanics"], "components": {
+    "ground": { "type": "mechanics/ground" },
+    "cart": { "type": "mechanics/planar_body", "mass": 1, "inertia": 1, "velocity": [1, 0] },
+    "len": { "type": "mechanics/planar_stroke", "a": "ground", "point_a": [-1, 0], "b": "cart", "point_b": [0, 1] } } })",
+                                                   "measured.json"),
+                                   registry());
+  const State state = consistent_start(machine.system, machine.options, 0.0);
+  const auto rate = [&](std::string_view name) {
+    const auto x = std::find_if(machine.system.x.begin(), machine.system.x.end(),
+                                [&](const Variable& v) { return v.name == name; });
+    return x == machine.system.x.end() ? NAN : state.v[static_cast<std::size_t>(x - machine.system.x.begin())];
+  };
+  EXPECT_EQ(rate("cart.x"), 1.0);
+  EXPECT_EQ(rate("cart.y"), 0.0);
+  EXPECT_EQ(rate("cart.angle"), 0.0);
+}
 
 TEST(Start, FindsTheOtherAssemblyNearTheDeadCentre) {
   for (const double angle : {1e-4, 1e-3, 0.008, -0.003}) {
