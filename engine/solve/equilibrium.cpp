@@ -54,9 +54,11 @@ class Newton {
     if (!outcome_.ok()) return false;
     take_rows(blocks_);
     if (!with_matrix) return true;
-    // Multipliers have no nominal: their own size serves, so that a heavy machine is not judged by a unit force.
-    for (std::size_t i = 0; i < lambda_.size(); ++i)
-      scale_[static_cast<std::size_t>(lambda_[i])] = std::max(1.0, std::abs(state_.lambda[i]));
+    // Multipliers have no nominal: the machine's forces serve, and their own size where that is larger.
+    for (std::size_t i = 0; i < lambda_.size(); ++i) {
+      scale_[static_cast<std::size_t>(lambda_[i])] =
+          std::max(force_of(system_.constraint(static_cast<Index>(i)).unit), std::abs(state_.lambda[i]));
+    }
     const double one = 1.0;
     plan_.fill(blocks_, {&one, 1});
     scaled_.assign(plan_.values().begin(), plan_.values().end());
@@ -65,7 +67,12 @@ class Newton {
       scaled_[e] *= scale_[column];
       row_scale_[row] = std::max(row_scale_[row], std::abs(scaled_[e]));
     });
-    for (double& r : row_scale_) r = r > 0.0 ? 1.0 / r : 1.0;
+    // A row that nothing enters is judged by the machine's forces.
+    for (std::size_t i = 0; i < row_scale_.size(); ++i) {
+      double& r = row_scale_[i];
+      if (r == 0.0 && i < system_.x.size()) r = force_of(system_.x[i].unit);
+      r = r > 0.0 ? 1.0 / r : 1.0;
+    }
     for_entries([&](std::size_t e, std::size_t row, std::size_t) { scaled_[e] *= row_scale_[row]; });
     return true;
   }
@@ -200,6 +207,10 @@ class Newton {
   }
 
  private:
+  /// The machine's force, N, moment, N m, or J per unit of another coordinate or row.
+  [[nodiscard]] double force_of(const std::string& unit) const {
+    return unit == "m" ? system_.scales.force() : system_.scales.energy();
+  }
   static Index compact(std::vector<Index>& map, Index next) {
     for (Index& column : map) {
       if (column >= 0) column = next++;

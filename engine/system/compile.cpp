@@ -83,6 +83,7 @@ Compiled Compiler::run() {
   make_patterns();
   check_structure();
   stop_if_faulty();
+  system().scales = scales_of(system());
   keep_origins();
   system().registry = registry_;
   return std::move(compiled_);

@@ -101,4 +101,7 @@ class Compiler {
   Compiled compiled_;
 };
 
+/// The machine's own sizes at its start values, each a power of two; defaults where its rows say nothing.
+Scales scales_of(const System& system);
+
 }  // namespace bramah::compiling
