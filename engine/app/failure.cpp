@@ -28,14 +28,17 @@ bool came_from(const std::string& setting, const std::string& fault_pointer) {
 
 }  // namespace
 
-void Failure::add(const Source& source, const Diagnostic& d) {
-  Entry entry{source.name, 0, 0, d};
-  if (!source.text.empty() && (d.byte >= 0 || !d.pointer.empty())) {
-    const Place place = locate(source, d);
-    entry.line = place.line;
-    entry.column = place.column;
+void Failure::add(const Source& source, const std::vector<Diagnostic>& diagnostics) {
+  const std::vector<Place> places = locate_all(source, diagnostics);
+  for (std::size_t k = 0; k < diagnostics.size(); ++k) {
+    const Diagnostic& d = diagnostics[k];
+    Entry entry{source.name, 0, 0, d};
+    if (!source.text.empty() && (d.byte >= 0 || !d.pointer.empty())) {
+      entry.line = places[k].line;
+      entry.column = places[k].column;
+    }
+    entries_.push_back(std::move(entry));
   }
-  entries_.push_back(std::move(entry));
 }
 
 Failure Failure::scene(const Source& source, const SceneError& error, const std::vector<std::string>& settings) {
@@ -49,13 +52,13 @@ Failure Failure::scene(const Source& source, const SceneError& error, const std:
     }
     if (origin == nullptr) {
       of_file.push_back(d);
-      failure.add(source, d);
       continue;
     }
     const Source command_line{"--set " + *origin, ""};
-    failure.add(command_line, d);
+    failure.add(command_line, {d});
     of_settings += render(command_line, SceneError(d));
   }
+  failure.add(source, of_file);
   if (!of_file.empty()) failure.text_ = render(source, SceneError(of_file));
   failure.text_ += of_settings;
   return failure;
@@ -63,7 +66,7 @@ Failure Failure::scene(const Source& source, const SceneError& error, const std:
 
 Failure Failure::analysis(const Source& source, const AnalysisError& error) {
   Failure failure(exit_analysis, "analysis");
-  failure.add(source, error.diagnostic());
+  failure.add(source, {error.diagnostic()});
   failure.text_ = render(source, error);
   return failure;
 }
@@ -71,7 +74,7 @@ Failure Failure::analysis(const Source& source, const AnalysisError& error) {
 Failure Failure::usage(std::string found, std::string expected, std::string remedy) {
   Failure failure(exit_usage, "usage");
   const Diagnostic d = diagnostic("usage", std::move(found), std::move(expected), std::move(remedy));
-  failure.add({"bramah", ""}, d);
+  failure.add({"bramah", ""}, {d});
   failure.text_ = render({"bramah", ""}, SceneError(d));
   return failure;
 }
@@ -79,7 +82,7 @@ Failure Failure::usage(std::string found, std::string expected, std::string reme
 Failure Failure::write(const WriteError& error) {
   Failure failure(exit_write, "write");
   const Diagnostic d = diagnostic("cannot-write", error.found(), "room and permission to write it", error.remedy());
-  failure.add({error.file().string(), ""}, d);
+  failure.add({error.file().string(), ""}, {d});
   failure.text_ = render({error.file().string(), ""}, SceneError(d));
   return failure;
 }
@@ -88,7 +91,7 @@ Failure Failure::unexpected(const std::string& what) {
   Failure failure(exit_analysis, "unexpected");
   const Diagnostic d = diagnostic("unexpected", what, "",
                                   "if the scene is not extraordinarily large, please report this with the scene");
-  failure.add({"bramah", ""}, d);
+  failure.add({"bramah", ""}, {d});
   failure.text_ = render({"bramah", ""}, SceneError(d));
   return failure;
 }

@@ -47,7 +47,7 @@ class Failure : public std::exception {
   [[nodiscard]] std::string document() const;
 
  private:
-  void add(const Source& source, const Diagnostic& diagnostic);
+  void add(const Source& source, const std::vector<Diagnostic>& diagnostics);
   ExitCode code_;
   std::string kind_, text_;
   std::vector<Entry> entries_;

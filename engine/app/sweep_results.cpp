@@ -5,6 +5,7 @@
 
 #include "app/results.hpp"
 #include "app/sweep.hpp"
+#include "io/tables.hpp"
 
 namespace bramah {
 namespace {
@@ -279,8 +280,8 @@ std::string critical_document(const Sweep& sweep) {
 std::string sweep_csv(const Sweep& sweep) {
   std::size_t tracks = 0;
   each_asked(sweep, [&](std::size_t, const Tracks::Point& point) { tracks = std::max(tracks, point.value.size()); });
-  std::string text = sweep.over[0].name;
-  if (sweep.over.size() > 1) text += "," + sweep.over[1].name;
+  std::string text = csv_field(sweep.over[0].name);
+  if (sweep.over.size() > 1) text += "," + csv_field(sweep.over[1].name);
   text += ",zeros";
   for (std::size_t k = 0; k < tracks; ++k) {
     const std::string name = track_name(static_cast<int>(k));

@@ -8,6 +8,7 @@
 
 #include "app/progress.hpp"
 #include "app/results.hpp"
+#include "io/tables.hpp"
 #include "solve/start.hpp"
 #include "system/measure.hpp"
 
@@ -55,7 +56,7 @@ Transient run_transient(const Context& context, const SimulateOptions& options, 
 
 std::string csv_header(const std::vector<Measured>& outputs) {
   std::string line = "time";
-  for (const Measured& output : outputs) line += ',' + output.name;
+  for (const Measured& output : outputs) line += ',' + csv_field(output.name);
   return line + '\n';
 }
 

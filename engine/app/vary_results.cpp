@@ -4,6 +4,7 @@
 
 #include "app/results.hpp"
 #include "app/vary.hpp"
+#include "io/tables.hpp"
 
 namespace bramah {
 namespace {
@@ -17,14 +18,6 @@ const char* word_for(VariedRun::Status status) {
     case VariedRun::Status::interrupted: break;
   }
   return "interrupted";
-}
-
-/// A field of a CSV file (RFC 4180).
-std::string field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
 }
 
 std::string heading(const RunFigure& figure) {
@@ -90,8 +83,8 @@ std::string vary_document(const Vary& vary) {
 
 std::string vary_csv(const Vary& vary) {
   std::string text = "run";
-  for (const RunFigure& parameter : vary.parameters) text += "," + field(parameter.name);
-  for (const RunFigure& figure : vary.figures) text += "," + field(figure.name);
+  for (const RunFigure& parameter : vary.parameters) text += "," + csv_field(parameter.name);
+  for (const RunFigure& figure : vary.figures) text += "," + csv_field(figure.name);
   text += ",status,message\n";
   for (std::size_t k = 0; k < vary.runs.size(); ++k) {
     const VariedRun& run = vary.runs[k];
@@ -99,7 +92,7 @@ std::string vary_csv(const Vary& vary) {
     for (const double value : run.at) text += "," + exact_number(value);
     for (std::size_t i = 0; i < vary.figures.size(); ++i)
       text += run.values.empty() ? "," : "," + exact_number(run.values[i]);
-    text.append(",").append(word_for(run.status)).append(",").append(field(run.message)).append("\n");
+    text.append(",").append(word_for(run.status)).append(",").append(csv_field(run.message)).append("\n");
   }
   return text;
 }

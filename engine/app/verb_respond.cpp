@@ -10,6 +10,7 @@
 #include "app/study_report.hpp"
 #include "app/verbs.hpp"
 #include "io/output_file.hpp"
+#include "io/tables.hpp"
 #include "linear/transfer.hpp"
 #include "system/analysis_error.hpp"
 #include "system/units.hpp"
@@ -124,7 +125,7 @@ std::string time_csv(const InTime& response, const LinearModel& model, const std
   for (const std::size_t i : inputs) {
     for (std::size_t o = 0; o < model.outputs.size(); ++o) {
       if (!is_path(response, i, o)) continue;
-      text.append(",").append(model.inputs[i].name).append(" to ").append(model.outputs[o].name);
+      text.append(",").append(csv_field(model.inputs[i].name + " to " + model.outputs[o].name));
       columns.push_back(values_of(response, i, o));
     }
   }

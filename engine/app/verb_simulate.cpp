@@ -10,6 +10,7 @@
 #include "io/checkpoint.hpp"
 #include "io/npy_file.hpp"
 #include "io/read_scene.hpp"
+#include "system/message.hpp"
 
 namespace bramah {
 namespace {
@@ -87,12 +88,23 @@ class Series {
   Vector record_;
 };
 
-std::optional<Checkpoint> checkpoint_to_resume(const Arguments& arguments, const System& system) {
+std::optional<Checkpoint> checkpoint_to_resume(const Arguments& arguments, const Context& context) {
+  const System& system = context.system();
   if (arguments.resume.empty()) return std::nullopt;
   Source source{arguments.resume, ""};
   try {
     source = read_source(arguments.resume);
-    return read_checkpoint(system, source);
+    Checkpoint from = read_checkpoint(system, source);
+    const double t = from.state.t;
+    const SimulateOptions& options = context.options().simulate;
+    if (!(options.to_time > t)) {
+      throw Failure::analysis(
+          {}, AnalysisError("simulate",
+                            "the checkpoint is at t = " + digits(t, 17) +
+                                " s, and the simulation ends at to_time = " + digits(options.to_time, 17) + " s",
+                            "a to_time after the checkpoint", "set \"to_time\" to a later time", "/simulate/to_time"));
+    }
+    return from;
   } catch (const SceneError& error) {
     throw Failure::scene(source, error, {});
   }
@@ -108,7 +120,7 @@ void check(const Arguments& arguments) {
 int run(const Arguments& arguments) {
   check(arguments);
   const Context context = load(arguments);
-  const std::optional<Checkpoint> from = checkpoint_to_resume(arguments, context.system());
+  const std::optional<Checkpoint> from = checkpoint_to_resume(arguments, context);
   Series series(arguments, context.options().outputs);
   const std::filesystem::path saved = std::filesystem::path(arguments.out) / "checkpoint.json";
   const auto save = [&](const Checkpoint& checkpoint) {

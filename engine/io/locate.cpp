@@ -13,6 +13,8 @@ namespace bramah {
 
 namespace {
 
+constexpr std::size_t most_printed = 100;
+
 struct Found {
   bool is_there = false;
   std::size_t value = 0;  // its first byte; that of the key as long as no value follows
@@ -127,6 +129,10 @@ std::string block(const Source& source, const Diagnostic& diagnostic, const Plac
 
 }  // namespace
 
+std::vector<Place> locate_all(const Source& source, const std::vector<Diagnostic>& diagnostics) {
+  return locate_all(source.text, diagnostics);
+}
+
 Place locate(const Source& source, const Diagnostic& diagnostic) {
   return locate_all(source.text, {diagnostic}).front();
 }
@@ -140,7 +146,11 @@ std::string render(const Source& source, const SceneError& error) {
     return std::pair(where[a].line, where[a].column) < std::pair(where[b].line, where[b].column);
   });
   std::string text;
-  for (const std::size_t i : order) text += block(source, diagnostics[i], where[i]);
+  for (std::size_t k = 0; k < std::min(order.size(), most_printed); ++k)
+    text += block(source, diagnostics[order[k]], where[order[k]]);
+  if (order.size() > most_printed)
+    text += "... and " + std::to_string(order.size() - most_printed) + " faults more (" + std::to_string(order.size()) +
+            " in all)\n";
   return text;
 }
 

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "io/json_writer.hpp"
+#include "io/tables.hpp"
 
 namespace bramah {
 namespace {
@@ -70,10 +71,10 @@ void put_variable(std::string& out, const MatVariable& variable) {
 std::string csv_of(const DenseView& matrix, const std::vector<std::string>& rows,
                    const std::vector<std::string>& columns) {
   std::string out;
-  for (const std::string& column : columns) out += "," + column;
+  for (const std::string& column : columns) out += "," + csv_field(column);
   out += '\n';
   for (std::size_t i = 0; i < matrix.rows; ++i) {
-    out += rows[i];
+    out += csv_field(rows[i]);
     for (std::size_t j = 0; j < matrix.columns; ++j) {
       out += ',' + exact_number(matrix.data[i + j * matrix.rows]);
     }

@@ -32,12 +32,15 @@ struct Place {
 /// Where a diagnostic points to in the text; the closest existing parent where the pointer itself does not exist.
 Place locate(const Source& source, const Diagnostic& diagnostic);
 
+/// The same for all of them, in one walk through the text.
+std::vector<Place> locate_all(const Source& source, const std::vector<Diagnostic>& diagnostics);
+
 /// The message that users read, one block per fault:
 ///   scenes/bad.json:12:15: error: unknown key "volum" of hydraulics/hose   [unknown-key]
 ///     at        /components/hose2/volum
 ///     expected  one of: volume, V_h, B_h, B_oil
 ///     to do     did you mean "volume"?
-/// In the order of their places. The place is left out for faults of the document as a whole and for scenes without text;
+/// In the order of their places; of more than a hundred the first hundred, and how many more there are. The place is left out for faults of the document as a whole and for scenes without text;
 /// empty lines are left out.
 std::string render(const Source& source, const SceneError& error);
 /// The same for an analysis without an answer; the place is that of the component or key to look at.

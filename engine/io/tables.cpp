@@ -58,6 +58,13 @@ std::string with_unit(std::string_view number, std::string_view unit) {
   return text;
 }
 
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
 std::string duration(double seconds) {
   if (std::isnan(seconds)) return "-";
   if (seconds >= 100.0) return short_number(std::round(seconds), 9) + " s";

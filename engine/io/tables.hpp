@@ -22,6 +22,8 @@ std::string short_number(double value, int digits = 6);
 std::string with_unit(std::string_view number, std::string_view unit);
 /// "1.23e-05 s" as "12.3 us".
 std::string duration(double seconds);
+/// A field of a CSV file: quoted where a comma, a quote or a line break asks for it (RFC 4180).
+std::string csv_field(const std::string& text);
 /// Columns of a terminal that a UTF-8 text takes, one each character.
 std::size_t width(std::string_view text);
 

@@ -1,12 +1,16 @@
 #include "plugin/registry.hpp"
 
 #include <dlfcn.h>
+#include <elf.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
+#include <cstring>
+#include <fstream>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -240,6 +244,28 @@ std::vector<fs::path> Registry::default_search_path() {
 
 namespace {
 
+/// What is missing at the end of an ELF file, or "". dlopen maps what the headers promise, and the process would die of
+/// SIGBUS where the file ends before.
+std::string cut_short(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  Elf64_Ehdr header{};
+  in.read(reinterpret_cast<char*>(&header), sizeof header);
+  if (!in || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 || header.e_ident[EI_CLASS] != ELFCLASS64)
+    return "";  // dlopen says what it is instead
+  std::error_code ignored;
+  const std::uint64_t size = fs::file_size(file, ignored);
+  std::uint64_t end = header.e_shoff + std::uint64_t{header.e_shnum} * header.e_shentsize;
+  for (unsigned k = 0; k < header.e_phnum && header.e_phentsize == sizeof(Elf64_Phdr); ++k) {
+    Elf64_Phdr segment{};
+    in.seekg(static_cast<std::streamoff>(header.e_phoff + k * sizeof segment));
+    in.read(reinterpret_cast<char*>(&segment), sizeof segment);
+    if (!in) return "it ends within its headers";
+    if (segment.p_type == PT_LOAD) end = std::max(end, segment.p_offset + segment.p_filesz);
+  }
+  if (end <= size) return "";
+  return std::to_string(size) + " bytes of " + std::to_string(end);
+}
+
 /// Nothing else of a table may be read before this.
 void check_epoch(const bramah_library& library, const fs::path& file) {
   const bool known = library.size >= library_size_of_epoch;
@@ -294,6 +320,11 @@ void Registry::load(std::string_view name) {
   const fs::path twin = file.parent_path() / (word + ".v3.so");
   std::error_code ignored;
   if (prefers_v3() && fs::exists(twin, ignored)) file = twin;
+
+  if (const std::string cut = cut_short(file); !cut.empty()) {
+    throw PluginError("library-broken", file.string() + " is cut short: " + cut, "a whole library file",
+                      "copy or build it again; an interrupted copy leaves such a file");
+  }
 
   // Never closed: instances, tables and messages live in it, and unloading is unreliable with thread-locals anyway.
   void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);

@@ -292,17 +292,34 @@ void Run::conclude(double seconds) {
   result_.checkpoint = checkpoint();
 }
 
+/// Refuses times that cannot be told apart: doubles near 1e16 s are 2 s apart, and no step fits between them.
+void check_times(const System& system, const SimulateOptions& options, double t) {
+  // Of the run, and of what the machine does in the meantime: steps, events and outputs divide by differences of times.
+  constexpr double of_run = 1e-9, of_machine = 1e-3;
+  const double latest = std::max(std::abs(t), std::abs(options.to_time)),
+               spacing = std::nextafter(latest, HUGE_VAL) - latest;
+  if (spacing <= of_run * (options.to_time - t) && spacing <= of_machine * system.scales.time) return;
+  throw AnalysisError(
+      "simulate",
+      "the run goes from t = " + digits(t, 17) + " s to " + digits(options.to_time, 17) + " s, where times are " +
+          digits(spacing) + " s apart in double precision",
+      "times that resolve the run and the machine's own time of about " + digits(system.scales.time) + " s",
+      "begin at an earlier time, or check the \"time\" of the checkpoint", "/simulate/to_time");
+}
+
 }  // namespace
 
 Simulation simulate(const System& system, const SimulateOptions& options, const State& start,
                     const Observer& observer) {
   if (system.n() + system.nz() == 0)
     throw AnalysisError("simulate", "a scene without variables", "something that moves or stores", "add components");
+  check_times(system, options, start.t);
   return Run(system, options, start, observer).march();
 }
 
 Simulation resume(const System& system, const SimulateOptions& options, const Checkpoint& from,
                   const Observer& observer) {
+  check_times(system, options, from.state.t);
   SimulateOptions same = options;
   if (options.integrator == SimulateOptions::Integrator::automatic)
     same.integrator = integrator_called(from.integrator);
