@@ -54,6 +54,15 @@ std::string unit_of(const SceneNumber& number) {
   return number.unit.empty() || number.unit == "1" ? "1/s" : "1/s per " + number.unit;
 }
 
+/// Places of the eigenvalues of a defective group, from 0.
+std::vector<double> members(const Spectrum& spectrum, std::size_t group) {
+  std::vector<double> places;
+  for (std::size_t k = 0; k < spectrum.modes.size(); ++k) {
+    if (spectrum.modes[k].group == static_cast<int>(group)) places.push_back(static_cast<double>(k));
+  }
+  return places;
+}
+
 std::string document(const Findings& findings) {
   JsonWriter json;
   json.begin_object();
@@ -61,12 +70,19 @@ std::string document(const Findings& findings) {
   for (Eigen::Index k = 0; k < findings.spectrum.left.cols(); ++k)
     eigenvalues.push_back(findings.spectrum.modes[static_cast<std::size_t>(k)].eigenvalue);
   write_eigenvalues(json, "eigenvalues", eigenvalues);
-  json.key("sensitivities").begin_list();
+  json.key("defective").begin_list();
+  for (std::size_t k = 0; k < findings.spectrum.defective.size(); ++k) {
+    const DefectiveGroup& group = findings.spectrum.defective[k];
+    json.begin_flat_object().member("re", group.mean.real()).member("im", group.mean.imag());
+    json.key("members").values(members(findings.spectrum, k)).end_object();
+  }
+  json.end_list().key("sensitivities").begin_list();
   for (const Sensitivity& one : findings.ranked) {
     json.begin_object();
     json.member("number", one.number.name).member("value", one.number.value).member("unit", one.number.unit);
     json.member("importance", one.importance);
     write_eigenvalues(json, "derivatives", one.eigenvalues);
+    write_eigenvalues(json, "defective_means", one.means);
     json.end_object();
   }
   json.end_list().key("failed").begin_list();
@@ -82,6 +98,11 @@ std::string csv(const Findings& findings) {
     columns.push_back("mode_" + std::to_string(k + 1) + ".re");
     columns.push_back("mode_" + std::to_string(k + 1) + ".im");
   }
+  const std::size_t modes = (columns.size() - 2) / 2;
+  for (std::size_t k = 0; k < findings.spectrum.defective.size(); ++k) {
+    columns.push_back("mean_" + std::to_string(k + 1) + ".re");
+    columns.push_back("mean_" + std::to_string(k + 1) + ".im");
+  }
   Eigen::MatrixXd table(static_cast<Eigen::Index>(findings.ranked.size()), static_cast<Eigen::Index>(columns.size()));
   for (Eigen::Index i = 0; i < table.rows(); ++i) {
     const Sensitivity& one = findings.ranked[static_cast<std::size_t>(i)];
@@ -91,6 +112,10 @@ std::string csv(const Findings& findings) {
     for (std::size_t k = 0; k < one.eigenvalues.size(); ++k) {
       table(i, static_cast<Eigen::Index>(2 + 2 * k)) = one.eigenvalues[k].real();
       table(i, static_cast<Eigen::Index>(3 + 2 * k)) = one.eigenvalues[k].imag();
+    }
+    for (std::size_t k = 0; k < one.means.size(); ++k) {
+      table(i, static_cast<Eigen::Index>(2 + 2 * (modes + k))) = one.means[k].real();
+      table(i, static_cast<Eigen::Index>(3 + 2 * (modes + k))) = one.means[k].imag();
     }
   }
   return csv_of({table.data(), static_cast<std::size_t>(table.rows()), static_cast<std::size_t>(table.cols())}, rows,
@@ -102,19 +127,22 @@ Table ranking(const Findings& findings) {
   Table table{{"number", "value", "relative", "eigenvalue (1/s)", "moves by", ""}, {}, "lrrrrl"};
   for (std::size_t i = 0; i < std::min(most_shown, findings.ranked.size()); ++i) {
     const Sensitivity& one = findings.ranked[i];
-    std::size_t most = 0;
+    std::string of, by;
     double largest = -1.0;
-    for (std::size_t k = 0; k < one.eigenvalues.size(); ++k) {
-      const double relative = std::abs(one.eigenvalues[k] / findings.spectrum.modes[k].eigenvalue);
-      if (relative > largest * (1.0 + 1e-9)) {
-        largest = relative;
-        most = k;
-      }
-    }
-    if (one.eigenvalues.empty()) continue;
+    const auto offer = [&](std::complex<double> derivative, std::complex<double> eigenvalue, const char* prefix) {
+      const double relative = std::abs(derivative / eigenvalue);
+      if (!(relative > largest * (1.0 + 1e-9))) return;
+      largest = relative;
+      of = prefix + complex_text(eigenvalue, 6);
+      by = complex_text(derivative, 8);
+    };
+    for (std::size_t k = 0; k < one.eigenvalues.size(); ++k)
+      offer(one.eigenvalues[k], findings.spectrum.modes[k].eigenvalue, "");
+    for (std::size_t k = 0; k < one.means.size(); ++k)
+      offer(one.means[k], findings.spectrum.defective[k].mean, "mean at ");
+    if (of.empty()) continue;
     table.rows.push_back({one.number.name, with_unit(short_number(one.number.value, 6), one.number.unit),
-                          short_number(one.importance, 3), complex_text(findings.spectrum.modes[most].eigenvalue, 6),
-                          complex_text(one.eigenvalues[most], 8), unit_of(one.number)});
+                          short_number(one.importance, 3), of, by, unit_of(one.number)});
   }
   return table;
 }
@@ -127,6 +155,11 @@ int run(const Arguments& arguments) {
   if (findings.ranked.size() > most_shown)
     out += "\nThe " + std::to_string(most_shown) + " most important of " + std::to_string(findings.ranked.size()) +
            " numbers; --json prints all, for every eigenvalue.\n";
+  for (const DefectiveGroup& group : findings.spectrum.defective)
+    out += "\nThe " + counted(static_cast<std::size_t>(group.size), "eigenvalue") + " at " +
+           complex_text(group.mean, 6) +
+           " coincide and are defective: fewer vectors than eigenvalues. They move by a root of the change, so that no "
+           "derivative exists; the derivative of their mean does, and stands in their place.\n";
   const auto zeros = static_cast<std::size_t>(findings.spectrum.zero_count());
   if (zeros > 0)
     out += '\n' + counted(zeros, "zero") + " of the spectrum: told by `bramah modes`, not differentiated.\n";
@@ -159,8 +192,10 @@ Examples
   bramah sensitivity scenes/four_bar/overdamped.json --by seal.F_c --by constants.B_oil
 
 --out DIR writes sensitivity.json and sensitivity.csv. --json prints {"eigenvalues": [{"re", "im"}], "sensitivities":
-[{"number", "value", "unit", "importance", "derivatives": [{"re", "im"}]}], "failed": [{"number", "why"}]}; derivatives
-are in SI and in the order of the eigenvalues.
+[{"number", "value", "unit", "importance", "derivatives": [{"re", "im"}], "defective_means": [{"re", "im"}]}], "defective":
+[{"re", "im", "members"}], "failed": [{"number", "why"}]}; derivatives are in SI and in the order of the eigenvalues.
+Eigenvalues that coincide and have fewer vectors than copies have no derivative (null); "defective" lists their means and
+their places from 0, "defective_means" how the means move.
 )",
     run,
     kOptions};

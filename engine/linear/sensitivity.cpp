@@ -44,6 +44,13 @@ std::vector<Complex> derivatives(const Eigen::MatrixXd& dA, const MatrixXcd& W, 
   return list;
 }
 
+/// trace(W^H dA V) / size; real where the mean is.
+Complex derivative_of_mean(const Eigen::MatrixXd& dA, const DefectiveGroup& group) {
+  const Complex sum = (group.left.adjoint() * (dA.cast<Complex>() * group.right)).trace();
+  const Complex derivative = sum / static_cast<double>(group.size);
+  return group.mean.imag() == 0.0 ? Complex(derivative.real(), 0.0) : derivative;
+}
+
 }  // namespace
 
 Sensitivity find_sensitivity(const System& system, const EquilibriumOptions& options, Follows follows,
@@ -52,14 +59,21 @@ Sensitivity find_sensitivity(const System& system, const EquilibriumOptions& opt
   const Direction along = direction_of(system, options, follows, state, linearizer, number);
   const Eigen::MatrixXd dA = linearizer.derivative(state, along);
   const auto count = static_cast<std::size_t>(spectrum.left.cols());
-  Sensitivity result{number, std::vector<Complex>(count), 0.0};
+  Sensitivity result{number, std::vector<Complex>(count), {}, 0.0};
   std::vector<bool> done(count, false);
+  for (std::size_t k = 0; k < count; ++k) {
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    done[k] = spectrum.modes[k].group >= 0;
+    if (done[k]) result.eigenvalues[k] = {none, none};
+  }
+  for (const DefectiveGroup& group : spectrum.defective) result.means.push_back(derivative_of_mean(dA, group));
   for (std::size_t k = 0; k < count; ++k) {
     if (done[k]) continue;
     const Complex eigenvalue = spectrum.modes[k].eigenvalue;
     std::vector<std::size_t> group;
     for (std::size_t j = k; j < count; ++j) {
-      if (std::abs(spectrum.modes[j].eigenvalue - eigenvalue) <= together * std::abs(eigenvalue)) group.push_back(j);
+      if (!done[j] && std::abs(spectrum.modes[j].eigenvalue - eigenvalue) <= together * std::abs(eigenvalue))
+        group.push_back(j);
     }
     MatrixXcd W(dA.rows(), static_cast<Index>(group.size())), V = W;
     for (std::size_t j = 0; j < group.size(); ++j) {
@@ -72,10 +86,12 @@ Sensitivity find_sensitivity(const System& system, const EquilibriumOptions& opt
       done[group[j]] = true;
     }
   }
-  for (std::size_t k = 0; k < count; ++k) {
-    const double relative = std::abs(result.eigenvalues[k] * number.value / spectrum.modes[k].eigenvalue);
+  const auto count_in = [&](Complex derivative, Complex eigenvalue) {
+    const double relative = std::abs(derivative * number.value / eigenvalue);
     if (std::isfinite(relative)) result.importance = std::max(result.importance, relative);
-  }
+  };
+  for (std::size_t k = 0; k < count; ++k) count_in(result.eigenvalues[k], spectrum.modes[k].eigenvalue);
+  for (std::size_t k = 0; k < result.means.size(); ++k) count_in(result.means[k], spectrum.defective[k].mean);
   return result;
 }
 

@@ -22,9 +22,11 @@ enum class Follows {
 struct Sensitivity {
   SceneNumber number;
   /// d(lambda)/d(number) of each nonzero mode, in SI and in the order of Spectrum::modes. Those of equal eigenvalues are
-  /// derivatives of the set, in no order; NaN where they have fewer vectors than copies.
+  /// derivatives of the set, in no order; NaN where they have fewer vectors than copies and no derivative exists.
   std::vector<std::complex<double>> eigenvalues;
-  /// The largest change of any nonzero eigenvalue, relative to it, per relative change of the number.
+  /// d(mean)/d(number) of each of Spectrum::defective.
+  std::vector<std::complex<double>> means;
+  /// The largest change of any nonzero eigenvalue, or mean of a defective group, relative to it, per relative change of the number.
   double importance = 0.0;
 };
 

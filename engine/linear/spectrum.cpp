@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <tuple>
 
+#include "linear/defective.hpp"
 #include "linear/staircase.hpp"
 #include "system/analysis_error.hpp"
 
@@ -35,6 +37,8 @@ constexpr double negligible = 1e-7;
 constexpr double refine_above = 1e-12;
 // The quotient's error grows with the square of the condition.
 constexpr double well_conditioned = 1e5;
+// Vectors of a defective eigenvalue are parallel but for a root of rounding.
+constexpr double nearly_parallel = 1e4;
 
 /// w^H A v / w^H v in extended precision: its error is second order in those of the vectors, and rounding is relative to
 /// the terms of the row rather than to the norm of A.
@@ -254,6 +258,45 @@ void sort_modes(Spectrum& spectrum) {
   }
 }
 
+/// Whether rounding hides the distance of mode k to another one that is as badly conditioned.
+bool inseparable(const std::vector<Mode>& modes, std::size_t k) {
+  if (!(modes[k].condition > nearly_parallel)) return false;
+  for (std::size_t j = 0; j < modes.size(); ++j) {
+    const double distance = std::abs(modes[j].eigenvalue - modes[k].eigenvalue);
+    if (j != k && distance <= std::min(modes[j].rounding, modes[k].rounding)) return true;
+  }
+  return false;
+}
+
+/// Groups of modes that are one eigenvalue. What rounding moves them by is known of the group only: as single ones they
+/// have no condition.
+void find_defective(const Staircase& stairs, const VectorXd& nominal, Spectrum& spectrum) {
+  std::optional<InvariantSubspaces> subspaces;
+  std::vector<Mode>& modes = spectrum.modes;
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    if (modes[k].group >= 0 || !inseparable(modes, k)) continue;
+    if (!subspaces)
+      subspaces.emplace(stairs.triangular, stairs.zeros(),
+                        doubt * std::numeric_limits<double>::epsilon() * spectrum.norm);
+    std::optional<DefectiveGroup> group = subspaces->defective_group(modes[k].eigenvalue);
+    if (!group) continue;
+    std::vector<std::size_t> nearest(modes.size());
+    std::iota(nearest.begin(), nearest.end(), std::size_t{0});
+    std::stable_sort(nearest.begin(), nearest.end(), [&](std::size_t a, std::size_t b) {
+      return std::abs(modes[a].eigenvalue - group->mean) < std::abs(modes[b].eigenvalue - group->mean);
+    });
+    for (std::size_t j = 0; j < static_cast<std::size_t>(group->size); ++j) {
+      Mode& mode = modes[nearest[j]];
+      mode.group = static_cast<int>(spectrum.defective.size());
+      mode.rounding = group->rounding;
+      mode.doubtful = std::abs(mode.eigenvalue) <= mode.rounding;
+    }
+    group->right = nominal.cast<Complex>().asDiagonal() * (stairs.Q.cast<Complex>() * group->right);
+    group->left = nominal.cwiseInverse().cast<Complex>().asDiagonal() * (stairs.Q.cast<Complex>() * group->left);
+    spectrum.defective.push_back(*std::move(group));
+  }
+}
+
 }  // namespace
 
 Spectrum find_spectrum(const LinearModel& model) {
@@ -306,13 +349,16 @@ Spectrum find_spectrum(const LinearModel& model) {
     const Complex unit = v(largest);
     v /= unit;
     w *= std::conj(unit) / std::conj(product);
-    if (mode.doubtful) {
-      mode.cause = "numerically zero but unexplained: ranks say nonzero, rounding alone could make it; moves " +
-                   joined(named(model, v.cwiseAbs(), nominal));
-    }
     spectrum.right.col(k) = nominal.cast<Complex>().asDiagonal() * v;
     spectrum.left.col(k) = nominal.cwiseInverse().cast<Complex>().asDiagonal() * w;
     spectrum.modes.push_back(std::move(mode));
+  }
+  find_defective(stairs, nominal, spectrum);
+  for (Index k = 0; k < rest; ++k) {
+    Mode& mode = spectrum.modes[static_cast<std::size_t>(k)];
+    if (!mode.doubtful) continue;
+    mode.cause = "numerically zero but unexplained: ranks say nonzero, rounding alone could make it; moves " +
+                 joined(named(model, nominal.cwiseInverse().cwiseProduct(spectrum.right.col(k).cwiseAbs()), nominal));
   }
   sort_modes(spectrum);
   if (z == 0) return spectrum;

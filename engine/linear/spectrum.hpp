@@ -16,10 +16,20 @@ namespace bramah {
 struct Mode {
   std::complex<double> eigenvalue;  // exactly 0 for a zero
   double condition = 1.0;           // of the eigenvalue: |w| |v| / |w^H v|, states in nominals
-  double rounding = 0.0;            // what rounding may have moved it by: c eps |A| condition
+  double rounding = 0.0;            // what rounding may have moved it by: c eps |A| condition, or that of its group
   bool zero = false;
   bool doubtful = false;  // a nonzero value that rounding alone could explain: |lambda| <= rounding
+  int group = -1;         // in Spectrum::defective, if it belongs to one
   std::string cause;      // of a zero or a doubtful value
+};
+
+/// Nonzero eigenvalues that rounding cannot tell apart, with fewer vectors than members: one eigenvalue, critically
+/// damped or otherwise defective. Each scatters by a root of rounding; their mean does not.
+struct DefectiveGroup {
+  Eigen::Index size = 0;
+  std::complex<double> mean;
+  double rounding = 0.0;         // how far rounding may have moved any of its members
+  Eigen::MatrixXcd right, left;  // (states x size) bases of its invariant subspaces, SI; left^H right = 1
 };
 
 /// A Jordan block of the eigenvalue 0.
@@ -35,6 +45,7 @@ struct Spectrum {
   Eigen::MatrixXcd right, left;  // (states x modes); right: largest component in nominals is 1; left^H right = 1. Zero
                                  // modes: a basis of the invariant subspace, no left vectors
   std::vector<ZeroBlock> zeros;
+  std::vector<DefectiveGroup> defective;
   /// Left null vectors: sums that keep their value (SI).
   std::vector<std::vector<std::pair<std::string, double>>> conserved;
   double norm = 0.0;                                      // of the matrix, states in nominals

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "solve/start.hpp"
 #include "support/machine.hpp"
 #include "support/numbers.hpp"
@@ -157,6 +159,37 @@ TEST(Sensitivity, EqualEigenvaluesMoveAsASet) {
   for (const Complex expected : {Complex(0.0, omega / 4.0), Complex(0.0, -omega / 4.0)})
     EXPECT_TRUE(take_nearest(derivatives, -expected, 1e-12));
   for (const Complex& rest : derivatives) EXPECT_LT(std::abs(rest), 1e-12);
+}
+
+TEST(Sensitivity, DefectiveEigenvaluesHaveADerivativeOfTheirMeanOnly) {
+  // m s^2 + c s + k with c^2 = 4 m k: s = -c / 2m twice, the mean whatever k.
+  for (const double m : {1.0, 0.25, 3e-3}) {
+    for (const double k : {1.0, 700.0}) {
+      const double c = 2.0 * std::sqrt(m * k);
+      const auto text = [](double value) {
+        char digits[40];
+        std::snprintf(digits, sizeof digits, "%.17g", value);
+        return std::string(digits);
+      };
+      const Machine machine = load("tests/linear/critical_damping.json",
+                                   {"m.mass=" + text(m), "k.stiffness=" + text(k), "k.damping=" + text(c)});
+      Point point(machine);
+      SCOPED_TRACE(::testing::Message() << "m = " << m << ", k = " << k);
+      ASSERT_EQ(point.spectrum.defective.size(), 1U);
+      EXPECT_EQ(point.spectrum.defective.front().size, 2);
+      EXPECT_TRUE(close(point.spectrum.defective.front().mean.real(), -c / (2.0 * m), 1e-13));
+      const std::tuple<const char*, double, double> expected[] = {
+          {"k.damping", c, -1.0 / (2.0 * m)}, {"m.mass", m, c / (2.0 * m * m)}, {"k.stiffness", k, 0.0}};
+      for (const auto& [name, value, derivative] : expected) {
+        const Sensitivity found = point.by(name);
+        ASSERT_EQ(found.eigenvalues.size(), 2U);
+        for (const Complex& none : found.eigenvalues) EXPECT_TRUE(std::isnan(none.real()) && std::isnan(none.imag()));
+        ASSERT_EQ(found.means.size(), 1U);
+        EXPECT_TRUE(close(found.means.front().real(), derivative, 1e-12, c / (2.0 * m * value))) << name;
+        EXPECT_EQ(found.means.front().imag(), 0.0);
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -99,6 +99,81 @@ TEST(Spectrum, SlowEigenvalueAtTheEndOfAZeroChain) {
   }
 }
 
+/// X J X^-1 as above, J with blocks of (eigenvalue, size).
+MatrixXd with_defects(const std::vector<std::pair<double, int>>& blocks, unsigned seed) {
+  int n = 0;
+  for (const auto& [value, size] : blocks) n += size;
+  MatrixXd J = MatrixXd::Zero(n, n);
+  int at = 0;
+  for (const auto& [value, size] : blocks) {
+    for (int k = 0; k < size; ++k) {
+      J(at, at) = value;
+      if (k > 0) J(at - 1, at) = 1.0;
+      ++at;
+    }
+  }
+  std::vector<double> others;
+  for (int k = 0; k < n; ++k) others.push_back(1.0 + k);
+  const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(with_blocks({}, others, seed)).householderQ();
+  const MatrixXd X = Q * Eigen::VectorXd::LinSpaced(n, 0.5, 3.0).asDiagonal();
+  return X * J * X.inverse();
+}
+
+TEST(Spectrum, DefectiveEigenvaluesAwayFromZeroAreNotZeros) {
+  // Vectors of equal eigenvalues are parallel: as single ones they have no condition, together they have a good one.
+  using Blocks = std::vector<std::pair<double, int>>;
+  struct Case {
+    Blocks blocks;
+    std::vector<double> means;  // of the groups that are expected
+  };
+  const Case cases[] = {{{{-1.0, 2}}, {-1.0}},
+                        {{{-1.0, 2}, {-7.0, 1}}, {-1.0}},
+                        {{{2.0, 2}, {-5.0, 2}}, {2.0, -5.0}},
+                        {{{-3.0, 3}, {-40.0, 1}}, {-3.0}},
+                        {{{0.0, 2}, {-1.0, 2}, {-9.0, 1}}, {-1.0}}};
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    for (const Case& one : cases) {
+      const MatrixXd A = with_defects(one.blocks, seed);
+      const Spectrum spectrum = find_spectrum(bare(A));
+      std::vector<std::complex<double>> means;
+      for (const DefectiveGroup& group : spectrum.defective) {
+        means.push_back(group.mean);
+        EXPECT_LT((A.cast<std::complex<double>>() * group.right -
+                   group.right * (group.left.adjoint() * A.cast<std::complex<double>>() * group.right))
+                      .norm(),
+                  1e-12 * A.norm() * group.right.norm());
+      }
+      ASSERT_EQ(means.size(), one.means.size()) << "seed " << seed;
+      for (const double mean : one.means) EXPECT_TRUE(take_nearest(means, mean, 1e-11)) << "seed " << seed;
+      Eigen::Index unstable = 0;
+      for (const auto& [value, size] : one.blocks) unstable += value > 0.0 ? size : 0;
+      EXPECT_EQ(spectrum.unstable_count(), unstable) << "seed " << seed;
+      for (const Mode& mode : spectrum.modes) EXPECT_FALSE(mode.doubtful) << mode.eigenvalue << ", seed " << seed;
+    }
+  }
+}
+
+TEST(Spectrum, EqualEigenvaluesWithVectorsOfTheirOwnAreNotDefective) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const Spectrum spectrum = find_spectrum(bare(with_blocks({}, {-1.0, -1.0, -1.0, -4.0, -4.0}, seed)));
+    EXPECT_TRUE(spectrum.defective.empty()) << "seed " << seed;
+    for (const Mode& mode : spectrum.modes) EXPECT_FALSE(mode.doubtful);
+  }
+}
+
+TEST(Spectrum, DefectiveEigenvalueThatRoundingReachesStaysDoubtful) {
+  // A block of size 3 at 1e-6: rounding moves it by the cube root of 1e-14.
+  MatrixXd J = MatrixXd::Zero(4, 4);
+  J.diagonal() << 1e-6, 1e-6, 1e-6, -1.0;
+  J(0, 1) = J(1, 2) = 1.0;
+  const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(with_blocks({}, {1.0, 1.1, 1.2, 1.3}, 5)).householderQ();
+  const Spectrum spectrum = find_spectrum(bare(Q * J * Q.transpose()));
+  const auto doubtful =
+      std::count_if(spectrum.modes.begin(), spectrum.modes.end(), [](const Mode& m) { return m.doubtful || m.zero; });
+  EXPECT_EQ(doubtful, 3);
+  EXPECT_TRUE(spectrum.defective.empty());
+}
+
 TEST(Spectrum, VectorsBelongToTheMatrix) {
   for (const std::string scene : {"scenes/four_bar/underdamped_high_friction.json",
                                   "scenes/articulated_vehicle/straight.json", "scenes/bicycle/benchmark.json"}) {
