@@ -194,7 +194,8 @@ double close_velocities(const System& system, State& state, NearestPoint& neares
   }
 }
 
-/// Coordinates with mass at `state`. The others, like a length that is only measured, have no say in the start.
+/// Coordinates of components that have mass at `state`: of a body all, although its Euler parameters have no mass along
+/// their norm. The others, like a length that is only measured, have no say in the start.
 std::vector<Index> with_mass(const System& system, const State& state, Blocks& blocks) {
   const std::vector<Index> all = shifted(system.n(), 0);
   const Term terms[] = {{BRAMAH_F_A, all, all, false, 0}};
@@ -202,11 +203,16 @@ std::vector<Index> with_mass(const System& system, const State& state, Blocks& b
   if (!blocks.evaluate(system, state, Request{}.blocks({BRAMAH_F_A})).ok()) return all;
   const double weights[] = {1.0};
   mass.fill(blocks, weights);
-  std::vector<Index> heavy;
+  std::vector<bool> has_mass(system.components.size());
   for (const Index i : all) {
     const auto first = mass.values().begin() + mass.start()[static_cast<std::size_t>(i)];
     const auto last = mass.values().begin() + mass.start()[static_cast<std::size_t>(i) + 1];
-    if (std::any_of(first, last, [](double value) { return value != 0.0; })) heavy.push_back(i);
+    if (std::any_of(first, last, [](double value) { return value != 0.0; }))
+      has_mass[static_cast<std::size_t>(system.x[static_cast<std::size_t>(i)].component)] = true;
+  }
+  std::vector<Index> heavy;
+  for (const Index i : all) {
+    if (has_mass[static_cast<std::size_t>(system.x[static_cast<std::size_t>(i)].component)]) heavy.push_back(i);
   }
   return heavy;
 }
@@ -219,27 +225,25 @@ bool follow(const System& system, State& state, std::span<const Index> fixed, st
   std::vector<Index> kept(fixed.begin(), fixed.end());
   kept.insert(kept.end(), given.begin(), given.end());
   const Vector start = state.v;
-  const auto closes = [&](std::span<const Index> held) {
-    NearestPoint nearest(system, rows, BRAMAH_R_V, held);
+  const auto closes = [&](std::span<const Index> held, std::span<const Index> leading) {
+    NearestPoint nearest(system, rows, BRAMAH_R_V, held, leading);
     if (close_velocities(system, state, nearest, blocks) <= exactly * velocity_tolerance * rate_scale(state))
       return true;
     state.v = start;
     return false;
   };
   const std::vector<Index> heavy = with_mass(system, state, blocks);
-  if (heavy.size() < static_cast<std::size_t>(system.n())) {
-    std::vector<Index> all_heavy(kept);
-    all_heavy.insert(all_heavy.end(), heavy.begin(), heavy.end());
-    if (closes(all_heavy)) return true;
-  }
-  return closes(kept);
+  if (heavy.size() == static_cast<std::size_t>(system.n())) return closes(kept, {});
+  std::vector<Index> all_heavy(kept);
+  all_heavy.insert(all_heavy.end(), heavy.begin(), heavy.end());
+  return closes(all_heavy, {}) || closes(kept, heavy);
 }
 
 }  // namespace
 
 bool close_positions(const System& system, State& state, std::span<const Index> rows, std::span<const Index> fixed,
-                     Blocks& blocks) {
-  NearestPoint nearest(system, rows, BRAMAH_C_X, fixed);
+                     Blocks& blocks, std::span<const Index> given) {
+  NearestPoint nearest(system, rows, BRAMAH_C_X, fixed, given);
   const Request request = Request{}.rows("c").blocks({BRAMAH_C_X});
   const auto evaluate = [&] {
     const Outcome outcome = blocks.evaluate(system, state, request);
@@ -275,11 +279,13 @@ bool close_positions(const System& system, State& state, std::span<const Index> 
   return residual <= 1e3 * position_tolerance * scale;
 }
 
-void assemble_positions(const System& system, State& state, std::span<const Index> fixed) {
-  if (system.m() == 0) return;
+namespace {
+
+/// Where `given` names coordinates, all others follow these.
+void assemble(const System& system, State& state, std::span<const Index> fixed, std::span<const Index> given) {
   const Vector start = state.x;
   Blocks blocks(system);
-  if (close_positions(system, state, shifted(system.m(), 0), fixed, blocks)) return;
+  if (close_positions(system, state, shifted(system.m(), 0), fixed, blocks, given)) return;
   const Index row = worst(blocks.c);
   const Row& open = system.constraint(row);
   const std::string gap = open_rows(system, blocks.c, row);
@@ -298,12 +304,46 @@ void assemble_positions(const System& system, State& state, std::span<const Inde
                       "/components/" + system.component_name(open.component));
 }
 
-void assemble_velocities(const System& system, State& state, std::span<const Index> fixed,
-                         std::span<const Index> given) {
-  if (system.m() + system.l() == 0) return;
+/// True where the coordinates that are not `given` close all rows alone; else `state` is as it was.
+bool others_close(const System& system, State& state, std::span<const Index> fixed, std::span<const Index> given) {
+  const Vector start = state.x;
+  std::vector<Index> kept(fixed.begin(), fixed.end());
+  kept.insert(kept.end(), given.begin(), given.end());
   Blocks blocks(system);
+  try {
+    if (close_positions(system, state, shifted(system.m(), 0), kept, blocks)) return true;
+  } catch (const AnalysisError&) {  // on the way only: the assembly of all coordinates has another
+  }
+  state.x = start;
+  return false;
+}
+
+}  // namespace
+
+void assemble_positions(const System& system, State& state, std::span<const Index> fixed) {
+  if (system.m() > 0) assemble(system, state, fixed, {});
+}
+
+void assemble_start_positions(const System& system, State& state, std::span<const Index> fixed) {
+  if (system.m() == 0) return;
+  Blocks blocks(system);
+  std::vector<Index> leading = with_mass(system, state, blocks);
+  for (Index i = 0; i < system.n(); ++i) {
+    if (system.x[static_cast<std::size_t>(i)].position_given()) leading.push_back(i);
+  }
+  std::sort(leading.begin(), leading.end());
+  leading.erase(std::unique(leading.begin(), leading.end()), leading.end());
+  if (leading.size() == static_cast<std::size_t>(system.n()) || others_close(system, state, fixed, leading))
+    leading.clear();
+  assemble(system, state, fixed, leading);
+}
+
+namespace {
+
+/// Where rates are `given` and not fixed, they are changed as little as possible.
+void assemble_rates(const System& system, State& state, std::span<const Index> fixed, std::span<const Index> given,
+                    Blocks& blocks) {
   const std::vector<Index> rows = shifted(system.m() + system.l(), 0);
-  if (!given.empty() && follow(system, state, fixed, given, rows, blocks)) return;
   NearestPoint nearest(system, rows, BRAMAH_R_V, fixed, given);
   if (close_velocities(system, state, nearest, blocks) <= velocity_tolerance * rate_scale(state)) return;
   const Index row = worst(blocks.r);
@@ -317,6 +357,22 @@ void assemble_velocities(const System& system, State& state, std::span<const Ind
                       fixed.empty() ? "change the start rates, or the driver that demands this one"
                                     : "hold fewer coordinates, or correct their start rates",
                       fixed.empty() ? "/components/" + system.component_name(moving.component) : std::string("/hold"));
+}
+
+}  // namespace
+
+void assemble_velocities(const System& system, State& state, std::span<const Index> fixed) {
+  if (system.m() + system.l() == 0) return;
+  Blocks blocks(system);
+  assemble_rates(system, state, fixed, {}, blocks);
+}
+
+void assemble_start_velocities(const System& system, State& state, std::span<const Index> fixed,
+                               std::span<const Index> given) {
+  if (system.m() + system.l() == 0) return;
+  Blocks blocks(system);
+  if (follow(system, state, fixed, given, shifted(system.m() + system.l(), 0), blocks)) return;
+  assemble_rates(system, state, fixed, given, blocks);
 }
 
 Violation constraint_violation(const System& system, const State& state, Blocks& blocks) {

@@ -12,16 +12,24 @@ namespace bramah {
 /// stay. Redundant rows are no obstacle; contradictory ones are named. Throws AnalysisError.
 void assemble_positions(const System& system, State& state, std::span<const Index> fixed = {});
 
-/// Newton's method from state.x for the `rows` of c with `fixed` coordinates kept, steps of least size in nominals. True
-/// where they close; blocks.c then holds all rows at state.x. Throws AnalysisError where c cannot be evaluated.
-bool close_positions(const System& system, State& state, std::span<const Index> rows, std::span<const Index> fixed,
-                     Blocks& blocks);
+/// As assemble_positions, from start values. Coordinates without mass that nobody gave a position, such as a length that
+/// is only measured, have no say in it: where they alone can close all rows nothing else moves.
+void assemble_start_positions(const System& system, State& state, std::span<const Index> fixed = {});
 
-/// Moves v to the nearest velocities with cdot = 0 and b = 0; rates of `fixed` coordinates stay. Where rates are `given`,
-/// these stay as long as the others can follow, and are changed as little as possible where they cannot; with none, all
-/// weigh alike. Throws AnalysisError.
-void assemble_velocities(const System& system, State& state, std::span<const Index> fixed = {},
-                         std::span<const Index> given = {});
+/// Newton's method from state.x for the `rows` of c with `fixed` coordinates kept, steps of least size in nominals. Where
+/// `given` names coordinates, all others follow these. True where the rows close; blocks.c then holds all rows at state.x.
+/// Throws AnalysisError where c cannot be evaluated.
+bool close_positions(const System& system, State& state, std::span<const Index> rows, std::span<const Index> fixed,
+                     Blocks& blocks, std::span<const Index> given = {});
+
+/// Moves v to the nearest velocities with cdot = 0 and b = 0; rates of `fixed` coordinates stay. Throws AnalysisError.
+void assemble_velocities(const System& system, State& state, std::span<const Index> fixed = {});
+
+/// As assemble_velocities, from start values. Rates that are `given` stay as long as the others can follow, and are changed
+/// as little as possible where they cannot; of the others those with mass move as little as possible, and coordinates
+/// without mass have no say. Throws AnalysisError.
+void assemble_start_velocities(const System& system, State& state, std::span<const Index> fixed,
+                               std::span<const Index> given);
 
 /// The largest |c| and |r| over their rows, with the row: how far a state is from the constraints.
 struct Violation {

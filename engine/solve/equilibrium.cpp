@@ -261,7 +261,7 @@ Equilibrium find_equilibrium(const System& system, const EquilibriumOptions& opt
   State& state = result.state;
   state = initial_state(system, t);
   std::fill(state.v.begin(), state.v.end(), 0.0);
-  assemble_positions(system, state, options.hold_x);
+  assemble_start_positions(system, state, options.hold_x);
 
   Newton newton(system, options, state);
   const auto evaluate = [&] {

@@ -23,8 +23,8 @@ std::vector<Index> given_rates(const System& system) {
 }
 
 void assemble_start(const System& system, const Options& options, State& state) {
-  assemble_positions(system, state, options.equilibrium.hold_x);
-  assemble_velocities(system, state, options.equilibrium.hold_x, given_rates(system));
+  assemble_start_positions(system, state, options.equilibrium.hold_x);
+  assemble_start_velocities(system, state, options.equilibrium.hold_x, given_rates(system));
 }
 
 StartNote note_on(const System& system, const NearAssembly& other, bool held) {
@@ -98,7 +98,7 @@ std::vector<StartNote> start_notes(const System& system, const Options& options,
   State state = initial_state(system, t);
   const Vector start = state.x;
   if (equilibrium) {
-    assemble_positions(system, state, options.equilibrium.hold_x);
+    assemble_start_positions(system, state, options.equilibrium.hold_x);
   } else {
     assemble_start(system, options, state);
   }

@@ -6,6 +6,38 @@
 #include "system/compiler.hpp"
 
 namespace bramah::compiling {
+namespace {
+
+/// Marks the start values of a component that depend on a number which the scene writes out, by their exact derivatives:
+/// a zero that is written is given, one that nobody wrote is not.
+void mark_set_starts(System& s, const Draft& draft, std::size_t own_x, std::size_t own_z) {
+  const bramah_type& type = *draft.type;
+  const auto* tangent = extension<bramah_tangent>(type, BRAMAH_EXTENSION_TANGENT);
+  if (tangent == nullptr || tangent->start == nullptr || own_x == 0) return;
+  std::vector<std::vector<double>> moves = draft.numbers;
+  for (auto& list : moves) std::fill(list.begin(), list.end(), 0.0);
+  for (std::size_t p = 0; p < moves.size(); ++p) {
+    if (tangent->differentiable[p] == 0 || draft.value->find(type.parameters[p].name) == nullptr) continue;
+    for (double& move : moves[p]) {
+      move = 1.0;
+      Instances moving(type, 1);
+      if (tangent->configure(type.self, moving.at(0), parameter_values(draft.numbers, draft.texts).data(),
+                             parameter_values(moves, draft.texts).data()) != 0)
+        return;
+      moving.constructed();
+      std::vector<double> x(own_x), v(own_x), z(own_z);
+      tangent->start(type.self, moving.at(0), x.data(), v.data(), z.data());
+      for (std::size_t i = 0; i < own_x; ++i) {
+        Variable& variable = s.x[static_cast<std::size_t>(draft.first_x) + i];
+        variable.start_set |= x[i] != 0.0;
+        variable.start_rate_set |= v[i] != 0.0;
+      }
+      move = 0.0;
+    }
+  }
+}
+
+}  // namespace
 
 void Compiler::make_instances() {
   std::map<const bramah_type*, Index> counts;
@@ -95,6 +127,7 @@ void Compiler::number_variables() {
       variable.start_rate = v[i];
     }
     for (std::size_t i = 0; i < z.size(); ++i) s.z[static_cast<std::size_t>(draft.first_z) + i].start = z[i];
+    if (draft.sound) mark_set_starts(s, draft, x.size(), z.size());
     for (std::int32_t i = 0; i < type.terminal_count; ++i) {
       const bramah_terminal_info& terminal = type.terminals[i];
       if (terminal.source != BRAMAH_OWN) continue;

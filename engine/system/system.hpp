@@ -31,9 +31,11 @@ struct Variable {
   double nominal = 1.0;
   double start = 0.0, start_rate = 0.0;                // rate: coordinates only
   bool start_given = false, start_rate_given = false;  // by the scene's "start"
+  bool start_set = false, start_rate_set = false;      // by parameters of the component that the scene writes out
   Index component = 0;
-  /// Whether somebody gave the rate: "start", or a parameter of the component, which makes it other than zero.
-  [[nodiscard]] bool rate_given() const { return start_rate_given || start_rate != 0.0; }
+  /// Whether the scene gives the position, or the rate: by "start", or by a parameter of the component.
+  [[nodiscard]] bool position_given() const { return start_given || start_set; }
+  [[nodiscard]] bool rate_given() const { return start_rate_given || start_rate_set || start_rate != 0.0; }
 };
 
 struct Row {

@@ -25,8 +25,9 @@ std::string number(double value) {
   return text;
 }
 
-/// A slider crank, its crank and rod placed roughly, with `keys` of the scene; "start" and "hold" are among them.
-Compiled slider_crank(double crank, double rod, const std::string& keys) {
+/// A slider crank, its crank and rod placed roughly, with `keys` of the scene; "start" and "hold" are among them; `more`
+/// components.
+Compiled slider_crank(double crank, double rod, const std::string& keys, const std::string& more = "") {
   const std::string text = R"({ "bramah": 1, "libraries": ["mechanics"], "components": {
     "ground": { "type": "mechanics/ground" },
     "crank":  { "type": "mechanics/planar_body", "mass": 1, "inertia": 0.1, "position": [0.25, 0], "angle": )" +
@@ -38,8 +39,8 @@ Compiled slider_crank(double crank, double rod, const std::string& keys) {
     "A":      { "type": "mechanics/planar_revolute", "a": "crank", "point_a": [0.25, 0], "b": "rod",
                 "point_b": [-0.5, 0] },
     "B":      { "type": "mechanics/planar_revolute", "a": "rod", "point_a": [0.5, 0], "b": "slide" },
-    "rail":   { "type": "mechanics/planar_slot", "a": "ground", "b": "slide" } }, )" +
-                           keys + "}";
+    "rail":   { "type": "mechanics/planar_slot", "a": "ground", "b": "slide" })" +
+                           more + "}, " + keys + "}";
   return compile(read_scene_text(text, "slider_crank.json"), registry());
 }
 
@@ -82,6 +83,95 @@ TEST(Start, AMeasuredLengthHasNoSayInTheRates) {
   EXPECT_EQ(rate("cart.x"), 1.0);
   EXPECT_EQ(rate("cart.y"), 0.0);
   EXPECT_EQ(rate("cart.angle"), 0.0);
+}
+
+double value(const Compiled& machine, const Vector& of, std::string_view name) {
+  const Index i = machine.system.find_x(name);
+  return i < 0 ? NAN : of[static_cast<std::size_t>(i)];
+}
+
+// Its default length is 1 m, and the points are sqrt(2) m apart.
+TEST(Start, AMeasuredLengthHasNoSayInThePositions) {
+  const auto machine = [](const std::string& length) {
+    return compile(read_scene_text(R"({ "bramah": 1, "libraries": ["mechanics"], "components": {
+      "ground": { "type": "mechanics/ground" },
+      "cart": { "type": "mechanics/planar_body", "mass": 1, "inertia": 1, "position": [0.25, 0] },
+      "len": { "type": "mechanics/planar_stroke", "a": "ground", "point_a": [-1, 0], "b": "cart", "point_b": [0, 1])" +
+                                       length + "} } }",
+                                   "measured.json"),
+                   registry());
+  };
+  const Compiled measured = machine("");
+  const State state = consistent_start(measured.system, measured.options, 0.0);
+  EXPECT_EQ(value(measured, state.x, "cart.x"), 0.25);
+  EXPECT_EQ(value(measured, state.x, "cart.y"), 0.0);
+  EXPECT_EQ(value(measured, state.x, "cart.angle"), 0.0);
+  EXPECT_TRUE(close(value(measured, state.x, "len.s"), std::hypot(1.25, 1.0), 1e-15));
+  // A length that the scene writes out is meant.
+  const Compiled given = machine(R"(, "length": 1.5)");
+  const State moved = consistent_start(given.system, given.options, 0.0);
+  EXPECT_GT(std::abs(value(given, moved.x, "cart.x") - 0.25), 0.01);
+  EXPECT_LT(std::abs(value(given, moved.x, "len.s") - 1.5), 0.1);
+}
+
+// Where bodies have to move, too, the assembly is the one that it would be without the length.
+TEST(Start, AMeasuredLengthHasNoSayInAnAssembly) {
+  for (const double angle : {0.4, 1.1, 2.0}) {
+    SCOPED_TRACE(angle);
+    const Place place(angle);
+    const std::string length = R"(, "len": { "type": "mechanics/planar_stroke", "a": "ground", "point_a": [-1, 0.5],
+      "b": "rod", "point_b": [0, 0.3] })";
+    const Compiled bare = slider_crank(1.05 * angle, place.rod, R"("title": "bare")");
+    const Compiled measured = slider_crank(1.05 * angle, place.rod, R"("title": "measured")", length);
+    const State without = consistent_start(bare.system, bare.options, 0.0);
+    const State with = consistent_start(measured.system, measured.options, 0.0);
+    for (const char* name : {"crank.angle", "rod.angle", "slide.x"})
+      EXPECT_TRUE(close(value(measured, with.x, name), value(bare, without.x, name), 1e-7)) << name;
+  }
+}
+
+// A trolley with a pendulum: the list is given whole, and the pendulum follows.
+TEST(Start, AZeroThatTheSceneWritesIsGiven) {
+  const auto machine = [](const std::string& velocity) {
+    return compile(read_scene_text(R"({ "bramah": 1, "libraries": ["mechanics"], "components": {
+      "trolley":  { "type": "mechanics/planar_body", "mass": 1, "inertia": 1, )" +
+                                       velocity + R"( },
+      "pendulum": { "type": "mechanics/planar_body", "mass": 1, "inertia": 0.1, "position": [0.6, -0.8] },
+      "pin": { "type": "mechanics/planar_revolute", "a": "trolley", "b": "pendulum", "point_b": [-0.6, 0.8] } } })",
+                                   "trolley.json"),
+                   registry());
+  };
+  const Compiled whole = machine(R"("velocity": [1, 0])");
+  const State state = consistent_start(whole.system, whole.options, 0.0);
+  EXPECT_EQ(value(whole, state.v, "trolley.x"), 1.0);
+  EXPECT_EQ(value(whole, state.v, "trolley.y"), 0.0);
+  EXPECT_TRUE(start_notes(whole.system, whole.options, false, 0.0).empty());
+  // One that nobody wrote is not: the trolley turns and climbs a little, as the pendulum does.
+  const Compiled part = machine(R"("angular_velocity": 1)");
+  const State free = consistent_start(part.system, part.options, 0.0);
+  EXPECT_EQ(value(part, free.v, "trolley.angle"), 1.0);
+}
+
+// At rest on a shaker: the smallest rates are those of the body.
+TEST(Start, AMeasuredLengthHasNoSayBesideADriver) {
+  const auto machine = [](const std::string& more) {
+    return compile(read_scene_text(R"({ "bramah": 1, "libraries": ["mechanics"], "components": {
+      "ground": { "type": "mechanics/ground" },
+      "body": { "type": "mechanics/planar_body", "mass": 1, "inertia": 1 },
+      "shaker": { "type": "mechanics/planar_shaker", "body": "body", "point": [0, 0.5], "direction": [1, 0],
+                  "amplitude": 0.1, "omega": 10 })" +
+                                       more + "} }",
+                                   "shaken.json"),
+                   registry());
+  };
+  const Compiled bare = machine(""), measured = machine(R"(,
+      "len": { "type": "mechanics/planar_stroke", "a": "ground", "point_a": [-1, 0], "b": "body", "point_b": [0, 1] })");
+  const State without = consistent_start(bare.system, bare.options, 0.0);
+  const State with = consistent_start(measured.system, measured.options, 0.0);
+  EXPECT_TRUE(close(value(bare, without.v, "body.x"), 0.8, 1e-13));  // least x^2 + w^2 with x - w / 2 = 1
+  EXPECT_TRUE(close(value(bare, without.v, "body.angle"), -0.4, 1e-13));
+  EXPECT_TRUE(close(value(measured, with.v, "body.x"), 0.8, 1e-7));  // the length weighs 1e-8
+  EXPECT_TRUE(close(value(measured, with.v, "body.angle"), -0.4, 1e-7));
 }
 
 TEST(Start, FindsTheOtherAssemblyNearTheDeadCentre) {
@@ -209,7 +299,7 @@ TEST(Start, HasNothingToSayAboutFamiliesOfMachines) {
 }
 
 double rate(const Compiled& machine, const State& state, const std::string& name) {
-  return state.v[static_cast<std::size_t>(machine.system.find_x(name))];
+  return value(machine, state.v, name);
 }
 
 TEST(Start, RatesThatNobodyGivesFollowThoseOfStart) {
