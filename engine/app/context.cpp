@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "app/equilibrium_report.hpp"
 #include "app/failure.hpp"
 #include "app/results.hpp"
 #include "io/output_file.hpp"
@@ -56,9 +57,8 @@ Linearization linearize(const Compiled& compiled, const Prescribed& prescribed, 
   Linearization result;
   result.at_equilibrium = options.linearize.at == LinearizeOptions::At::equilibrium;
   if (result.at_equilibrium) {
-    Equilibrium equilibrium = find_equilibrium(system, options.equilibrium, start_time);
-    result.state = std::move(equilibrium.state);
-    result.free_directions = std::move(equilibrium.free_directions);
+    result.equilibrium = find_equilibrium(system, options.equilibrium, start_time);
+    result.state = result.equilibrium->state;
   } else {
     result.state = consistent_start(system, options, start_time);
   }
@@ -84,12 +84,17 @@ void tell_start(const Context& context) {
 
 Linearization linearize(const Context& context) {
   tell_start(context);
-  return linearize(context.compiled, context.options().linearize.prescribed);
+  Linearization linear = linearize(context.compiled, context.options().linearize.prescribed);
+  if (linear.equilibrium) tell_equilibrium(context, *linear.equilibrium);
+  return linear;
 }
 
 Linearization linearize_outputs(const Context& context) {
   tell_start(context);
-  return linearize(context.compiled, context.options().linearize.prescribed, context.options().outputs);
+  Linearization linear = linearize(context.compiled, context.options().linearize.prescribed, context.options().outputs);
+  if (linear.equilibrium) tell_equilibrium(context, *linear.equilibrium);
+  judge(context, linear);
+  return linear;
 }
 
 void print(std::string_view text) {

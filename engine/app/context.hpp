@@ -2,11 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "app/arguments.hpp"
 #include "linear/linearize.hpp"
+#include "linear/stability.hpp"
 #include "solve/equilibrium.hpp"
 #include "system/compile.hpp"
 
@@ -29,7 +31,8 @@ Context load(const Arguments& arguments);
 struct Linearization {
   bool at_equilibrium = true;
   State state;
-  std::vector<FreeDirection> free_directions;  // of the equilibrium
+  std::optional<Equilibrium> equilibrium;  // `state`, with how it was found
+  std::optional<Stability> stability;      // of the equilibrium, where it was judged
   Partition partition;
   Conditions conditions;  // of the partition
   LinearModel model;

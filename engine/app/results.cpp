@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "app/equilibrium_report.hpp"
+
 namespace bramah {
 namespace {
 
@@ -44,16 +46,6 @@ void write_state(JsonWriter& json, const System& system, const State& state) {
   for (std::size_t i = 0; i < system.inputs.size(); ++i)
     json.member(system.inputs[i].name, state.z[system.z.size() + i]);
   json.end_object();
-}
-
-void write_free_directions(JsonWriter& json, const std::vector<FreeDirection>& directions) {
-  json.key("free_directions").begin_list();
-  for (const FreeDirection& direction : directions) {
-    json.begin_flat_object();
-    for (const auto& [name, share] : direction.variables) json.member(name, share);
-    json.end_object();
-  }
-  json.end_list();
 }
 
 }  // namespace
@@ -102,7 +94,7 @@ Table sizes_table(const Sizes& s) {
       "lr"};
 }
 
-std::string equilibrium_document(const System& system, const Equilibrium& equilibrium,
+std::string equilibrium_document(const System& system, const Equilibrium& equilibrium, const Stability& stability,
                                  const std::vector<StartNote>& notes) {
   JsonWriter json;
   json.begin_object();
@@ -115,7 +107,10 @@ std::string equilibrium_document(const System& system, const Equilibrium& equili
   json.end_object();
   json.member("time", equilibrium.state.t)
       .member("iterations", equilibrium.iterations)
+      .member("steps", equilibrium.steps)
       .member("residual", equilibrium.residual);
+  write_stability(json, equilibrium, stability);
+  write_moved(json, equilibrium);
   write_notes(json, notes);
   json.end_object();
   return json.take();
@@ -215,8 +210,10 @@ std::string linear_document(const System& system, const Linearization& linear) {
   for (std::size_t i = 0; i < system.x.size(); ++i) json.member(system.x[i].name, linear.state.v[i]);
   for (std::size_t i = 0; i < system.z.size(); ++i) json.member(system.z[i].name, linear.state.zdot[i]);
   json.end_object();
-  write_free_directions(json, linear.free_directions);
-  json.end_object().end_object();
+  write_free_directions(json, linear.equilibrium ? linear.equilibrium->free_directions : std::vector<FreeDirection>{});
+  json.end_object();
+  write_equilibrium(json, linear);
+  json.end_object();
   return json.take();
 }
 
@@ -409,6 +406,7 @@ std::string spectrum_document(const System& system, const Linearization& linear,
   json.end_list();
   write_participation(json, model, spectrum);
   write_modal_details(json, system, linear, spectrum);
+  write_equilibrium(json, linear);
   json.end_object();
   return json.take();
 }

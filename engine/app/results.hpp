@@ -26,7 +26,7 @@ Sizes sizes_of(const System& system, const Partition* partition);
 void write_sizes(JsonWriter& json, const Sizes& sizes);
 Table sizes_table(const Sizes& sizes);
 
-std::string equilibrium_document(const System& system, const Equilibrium& equilibrium,
+std::string equilibrium_document(const System& system, const Equilibrium& equilibrium, const Stability& stability,
                                  const std::vector<StartNote>& notes);
 /// Variables, or multipliers, with value and unit.
 Table variables_table(const System& system, const State& state);

@@ -16,6 +16,7 @@ namespace bramah {
 /// All that a study has found; what the scene did not ask for is missing.
 struct StudyResults {
   std::optional<Equilibrium> equilibrium;
+  std::optional<Stability> stability;  // of the equilibrium
   Linearization linear;
   Census census;
   std::optional<Transient> transient;

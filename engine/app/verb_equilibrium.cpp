@@ -1,4 +1,5 @@
 #include "app/context.hpp"
+#include "app/equilibrium_report.hpp"
 #include "app/failure.hpp"
 #include "app/results.hpp"
 #include "app/verbs.hpp"
@@ -9,7 +10,7 @@ namespace {
 int run(const Arguments& arguments) {
   const Context context = load(arguments);
   const System& system = context.system();
-  const Equilibrium equilibrium = find_equilibrium(system, context.options().equilibrium, context.start_time());
+  const auto [equilibrium, stability] = find_rest(context, context.start_time());
   const std::vector<StartNote> notes = tell_start_notes(context, true);
   std::string out = as_text(variables_table(system, equilibrium.state));
   if (system.m() + system.l() > 0) out += '\n' + as_text(multipliers_table(system, equilibrium.state));
@@ -21,10 +22,14 @@ int run(const Arguments& arguments) {
     }
     out += '\n' + as_text(inputs);
   }
-  out += "\nfound in " + counted(static_cast<std::size_t>(equilibrium.iterations), "iteration") +
-         ", largest residual " + short_number(equilibrium.residual, 2) + " of its terms\n" +
-         free_directions_text(equilibrium.free_directions) + redundancy_text(equilibrium.redundancy, context.system());
-  deliver(arguments, "equilibrium.json", equilibrium_document(system, equilibrium, notes), out);
+  out +=
+      "\nfound in " + counted(static_cast<std::size_t>(equilibrium.iterations), "iteration") +
+      (equilibrium.steps > 0 ? " and " + counted(static_cast<std::size_t>(equilibrium.steps), "step") + " of settling"
+                             : "") +
+      ", largest residual " + short_number(equilibrium.residual, 2) + " of its terms\n" + stability_text(stability) +
+      '\n' + free_directions_text(equilibrium.free_directions) +
+      redundancy_text(equilibrium.redundancy, context.system());
+  deliver(arguments, "equilibrium.json", equilibrium_document(system, equilibrium, stability, notes), out);
   return exit_ok;
 }
 

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "app/context.hpp"
+#include "app/equilibrium_report.hpp"
 #include "app/failure.hpp"
 #include "app/results.hpp"
 #include "app/sparse_model.hpp"
@@ -82,7 +84,13 @@ int run_along(const Context& context) {
   LinearizerAlong linearizer(system, context.options().linearize.prescribed, context.options().outputs);
   LinearModel model;
   std::size_t next = 0;
-  const Transient transient = run_transient(context, options, {}, [&](const State& state, const Vector&) {
+  std::optional<Rest> rest;
+  TransientSetup setup;
+  if (options.from == SimulateOptions::From::equilibrium) {
+    rest = find_rest(context, options.from_time);
+    setup.start = &rest->equilibrium.state;
+  }
+  const Transient transient = run_transient(context, options, setup, [&](const State& state, const Vector&) {
     // Both sides of a jump of the inputs are output; the later one counts.
     if (next == times.size() || state.t != times[next] || (state.side < 0 && state.t < options.to_time)) return;
     State here = state;
@@ -114,7 +122,9 @@ int run_along(const Context& context) {
     ++next;
   });
   if (next == 0) json.key("models").begin_list();
-  json.end_list().member("interrupted", transient.interrupted).end_object();
+  json.end_list().member("interrupted", transient.interrupted);
+  write_equilibrium(json, rest ? &rest->equilibrium : nullptr, rest ? &rest->stability : nullptr);
+  json.end_object();
   deliver(context.arguments, "linear_models.json", json.take(),
           as_text(table) +
               "\nEigenvalues along a motion belong to the chosen coordinates; they say little about stability.\n");
@@ -132,7 +142,8 @@ int run(const Arguments& arguments) {
   out += matrix_text("A", model.A, model.states, model.states) + matrix_text("B", model.B, model.states, model.inputs);
   out +=
       matrix_text("C", model.C, model.outputs, model.states) + matrix_text("D", model.D, model.outputs, model.inputs);
-  const std::string notes = linear_notes(context.system(), linear) + free_directions_text(linear.free_directions);
+  const std::string notes = linear_notes(context.system(), linear) +
+                            (linear.equilibrium ? free_directions_text(linear.equilibrium->free_directions) : "");
   out += "\nCondition of the partition: C_xd " + short_number(linear.conditions.C_xd, 2) + ", D_dd " +
          short_number(linear.conditions.D_dd, 2) + "\n";
   if (!notes.empty()) out += '\n' + notes;

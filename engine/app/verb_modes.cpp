@@ -1,4 +1,5 @@
 #include "app/context.hpp"
+#include "app/equilibrium_report.hpp"
 #include "app/failure.hpp"
 #include "app/results.hpp"
 #include "app/sparse_model.hpp"
@@ -10,8 +11,12 @@ namespace {
 int run(const Arguments& arguments) {
   const Context context = load(arguments);
   if (context.options().modes.select != ModesOptions::Select::all) return run_selected_modes(context);
-  const Linearization linear = linearize(context);
+  Linearization linear = linearize(context);
   const Census census = census_of(context.system(), linear);
+  if (linear.equilibrium) {
+    linear.stability = judge_stability(linear.model, census.spectrum);
+    tell_stability(context, *linear.stability);
+  }
   std::string out = as_text(spectrum_table(linear.model, census.spectrum));
   const std::string energies = energy_text(context.system(), linear, census.spectrum);
   if (!energies.empty()) out += '\n' + energies;

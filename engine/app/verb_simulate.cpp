@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "app/equilibrium_report.hpp"
 #include "app/failure.hpp"
 #include "app/results.hpp"
 #include "app/transient.hpp"
@@ -18,7 +19,7 @@ namespace {
 constexpr const char* kOptions[] = {"--resume", "--save-every", "--binary", "--output"};
 
 std::string document(const Context& context, const Transient& transient, const std::vector<StartNote>& notes,
-                     const std::string& file) {
+                     const std::optional<Rest>& rest, const std::string& file) {
   JsonWriter json;
   json.begin_object().key("summary").begin_object();
   write_statistics(json, transient);
@@ -31,6 +32,7 @@ std::string document(const Context& context, const Transient& transient, const s
   json.end_object().key("time_series");
   file.empty() ? json.null() : json.value(file);
   write_notes(json, notes);
+  write_equilibrium(json, rest ? &rest->equilibrium : nullptr, rest ? &rest->stability : nullptr);
   json.end_object();
   return json.take();
 }
@@ -132,7 +134,13 @@ int run(const Arguments& arguments) {
   setup.save = save;
   setup.save_every = arguments.save_every;
   std::vector<StartNote> notes;
-  if (!from) notes = tell_start_notes(context, context.options().simulate.from == SimulateOptions::From::equilibrium);
+  const bool at_equilibrium = context.options().simulate.from == SimulateOptions::From::equilibrium;
+  if (!from) notes = tell_start_notes(context, at_equilibrium);
+  std::optional<Rest> rest;
+  if (!from && at_equilibrium) {
+    rest = find_rest(context, context.start_time());
+    setup.start = &rest->equilibrium.state;
+  }
   Transient transient;
   try {
     transient = run_transient(context, context.options().simulate, setup,
@@ -154,7 +162,7 @@ int run(const Arguments& arguments) {
   if (transient.interrupted)
     say("interrupted; results up to t = " + short_number(transient.last_time, 10) + " s are kept" +
         (arguments.out.empty() ? "" : ", --resume " + saved.string() + " goes on") + '\n');
-  if (arguments.json) print(document(context, transient, notes, series.file().string()));
+  if (arguments.json) print(document(context, transient, notes, rest, series.file().string()));
   return transient.interrupted ? exit_interrupted : exit_ok;
 }
 

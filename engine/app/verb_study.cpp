@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <iterator>
 
+#include "app/equilibrium_report.hpp"
 #include "app/failure.hpp"
 #include "app/progress.hpp"
 #include "app/results.hpp"
@@ -122,6 +123,8 @@ std::string summary(const Context& context, const StudyResults& results, Folder&
     }
     json.end_object().end_object();
   }
+  write_equilibrium(json, results.equilibrium ? &*results.equilibrium : nullptr,
+                    results.stability ? &*results.stability : nullptr);
   json.key("remarks").values(results.remarks);
   folder.files().emplace_back("summary.json");
   json.key("files").values(folder.files()).end_object();
@@ -158,6 +161,13 @@ std::vector<StartNote> remark_on_start(const Context& context, bool equilibrium,
   return notes;
 }
 
+void remark_on_rest(const Rest& rest, StudyResults& results) {
+  if (const std::string moved = moved_text(rest.equilibrium); !moved.empty())
+    results.remarks.push_back("The equilibrium is away from the start values: " + moved + '.');
+  if (rest.stability.verdict == Stability::Verdict::unstable)
+    results.remarks.push_back("The equilibrium is " + stability_text(rest.stability) + '.');
+}
+
 /// Whether the scene asks for anything at its start state.
 bool needs_start(const Options& options) {
   return options.linearize.at == LinearizeOptions::At::start ||
@@ -170,12 +180,16 @@ int run(const Arguments& arguments) {
                                       : fs::path(arguments.out));
   StudyResults results;
   if (needs_equilibrium(context.options())) {
-    results.equilibrium = find_equilibrium(context.system(), context.options().equilibrium, context.start_time());
-    folder.write("equilibrium.json",
-                 equilibrium_document(context.system(), *results.equilibrium, remark_on_start(context, true, results)));
+    Rest rest = find_rest(context, context.start_time());
+    folder.write("equilibrium.json", equilibrium_document(context.system(), rest.equilibrium, rest.stability,
+                                                          remark_on_start(context, true, results)));
+    remark_on_rest(rest, results);
+    results.equilibrium = std::move(rest.equilibrium);
+    results.stability = std::move(rest.stability);
   }
   if (needs_start(context.options())) remark_on_start(context, false, results);
   results.linear = linearize(context.compiled, context.options().linearize.prescribed, context.options().outputs);
+  results.linear.stability = results.stability;
   folder.write("linear_model.json", linear_document(context.system(), results.linear));
   results.census = census_of(context.system(), results.linear);
   folder.write("spectrum.json", spectrum_document(context.system(), results.linear, results.census));

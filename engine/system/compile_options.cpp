@@ -60,10 +60,15 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
   reader.outputs(root, options.outputs);
 
   EquilibriumOptions& equilibrium = options.equilibrium;
-  reader.section(root, "equilibrium", {"tolerance", "max_iterations"},
+  reader.section(root, "equilibrium", {"tolerance", "max_iterations", "stability"},
                  [&](const std::string& key, const Value& value, const std::string& where) {
                    if (key == "tolerance") {
                      reader.number(value, where, "1", 0.0, equilibrium.tolerance, true);
+                   } else if (key == "stability") {
+                     using Stability = EquilibriumOptions::Stability;
+                     reader.word<Stability>(value, where,
+                                            {{"nearest", Stability::nearest}, {"stable", Stability::stable}},
+                                            equilibrium.stability);
                    } else {
                      double count = equilibrium.max_iterations;
                      reader.number(value, where, "1", 1.0, count, false);

@@ -23,6 +23,10 @@ struct EquilibriumOptions {
   std::vector<Index> hold_x, hold_z;  // kept at their start values
   double tolerance = 1e-12;           // residual relative to the largest term of each row
   int max_iterations = 200;
+  /// A search from start values that do not balance ends at the nearest equilibrium that Newton's method finds, or at one
+  /// where the potential of the forces, if they have one, is least.
+  enum class Stability { nearest, stable };
+  Stability stability = Stability::stable;
 };
 
 /// A condition of the scene that ends a simulation, or sends inputs elsewhere, each time it comes true.
