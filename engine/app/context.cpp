@@ -50,14 +50,16 @@ Context load(const Arguments& arguments) {
   }
 }
 
-Linearization linearize(const Compiled& compiled, const Prescribed& prescribed, std::vector<Measured> outputs) {
+Linearization linearize(const Compiled& compiled, const Prescribed& prescribed, std::vector<Measured> outputs,
+                        const State* guess) {
   const System& system = compiled.system;
   const Options& options = compiled.options;
   const double start_time = options.simulate.from_time;
   Linearization result;
   result.at_equilibrium = options.linearize.at == LinearizeOptions::At::equilibrium;
   if (result.at_equilibrium) {
-    result.equilibrium = find_equilibrium(system, options.equilibrium, start_time);
+    result.equilibrium = guess != nullptr ? continue_equilibrium(system, options.equilibrium, *guess)
+                                          : find_equilibrium(system, options.equilibrium, start_time);
     result.state = result.equilibrium->state;
   } else {
     result.state = consistent_start(system, options, start_time);

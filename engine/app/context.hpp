@@ -38,8 +38,9 @@ struct Linearization {
   LinearModel model;
   Eigen::MatrixXd motion, response;  // of the Linearizer
 };
-/// With coordinates of the partition prescribed; C and D of `outputs`.
-Linearization linearize(const Compiled& compiled, const Prescribed& prescribed, std::vector<Measured> outputs = {});
+/// With coordinates of the partition prescribed; C and D of `outputs`; the equilibrium near `guess`, where given.
+Linearization linearize(const Compiled& compiled, const Prescribed& prescribed, std::vector<Measured> outputs = {},
+                        const State* guess = nullptr);
 Linearization linearize(const Context& context);
 /// With the scene's outputs. AnalysisError for one that has no rows in C and D.
 Linearization linearize_outputs(const Context& context);

@@ -13,6 +13,7 @@
 #include "app/progress.hpp"
 #include "app/results.hpp"
 #include "app/varied_scene.hpp"
+#include "solve/family.hpp"
 #include "system/message.hpp"
 
 namespace bramah {
@@ -26,7 +27,8 @@ constexpr double on_axis = 50.0;  // real parts below so many times their roundi
 class SweptScene {
  public:
   SweptScene(const Context& context, Sweep& sweep)
-      : sweep_(sweep),
+      : context_(context),
+        sweep_(sweep),
         varied_(context, names_of(sweep)),
         threads_(context.arguments.threads),
         progress_("sweep", !context.arguments.quiet) {
@@ -73,6 +75,21 @@ class SweptScene {
     return sets;
   }
 
+  /// Follows the equilibria across the lines, at their first values, or along a line. Before points of these are looked at.
+  void follow_across() {
+    const double first = sweep_.over[0].values.front();
+    follow(sweep_.over[1].values, across_, nullptr, [first](double second) { return std::vector{first, second}; });
+  }
+  void follow_line(std::size_t line) {
+    const bool grid = sweep_.over.size() > 1;
+    std::optional<State> guess;
+    if (grid) guess = across_.guess(sweep_.over[1].values[line]);
+    along_.resize(std::max(along_.size(), line + 1));
+    follow(sweep_.over[0].values, along_[line], guess ? &*guess : nullptr,
+           [this, line](double value) { return sweep_.at(line, value); });
+  }
+  [[nodiscard]] const Family& family(std::size_t line) const { return along_[line]; }
+
   [[nodiscard]] int threads() const { return threads_; }
   /// The partition of the point where it was chosen holds everywhere, unless it cannot.
   void prescribe(Prescribed prescribed) { prescribed_ = std::move(prescribed); }
@@ -92,23 +109,61 @@ class SweptScene {
     return names;
   }
 
+  void follow(const std::vector<double>& values, Family& family, const State* guess,
+              const std::function<std::vector<double>(double)>& place) {
+    if (context_.options().linearize.at != LinearizeOptions::At::equilibrium) return;
+    const auto solve = [&](double value, const State* near) {
+      if (InterruptGuard::interrupted()) throw AnalysisError("sweep", "interrupted", "time to go on", "");
+      try {
+        const VariedScene::Compilation compilation(varied_, place(value));
+        const auto& [system, options] = compilation.get();
+        if (near != nullptr) return continue_equilibrium(system, options.equilibrium, *near).state;
+        Rest rest{find_equilibrium(system, options.equilibrium, options.simulate.from_time), {}};
+        State state = rest.equilibrium.state;
+        if (!sweep_.first) {
+          rest.stability = judge_stability(system, state, most_judged);
+          sweep_.first = std::move(rest);
+        }
+        return state;
+      } catch (const SceneError& error) {
+        const Diagnostic& d = error.diagnostics().front();
+        throw AnalysisError("sweep", d.found, d.expected, d.remedy, d.pointer);
+      }
+    };
+    reason_against([&] { family.follow(context_.system(), values, solve, guess); });  // its points say it again
+  }
+
+  /// On the family that was followed through `at`.
+  std::optional<State> guess(const std::vector<double>& at) const {
+    if (at.size() == 1) return along_.empty() ? std::nullopt : along_[0].guess(at[0]);
+    if (at[0] == sweep_.over[0].values.front()) return across_.guess(at[1]);
+    const std::vector<double>& seconds = sweep_.over[1].values;
+    const auto line = static_cast<std::size_t>(std::find(seconds.begin(), seconds.end(), at[1]) - seconds.begin());
+    return line < along_.size() ? along_[line].guess(at[0]) : std::nullopt;
+  }
+
   Linearization linearize_at(const Compiled& compiled, const std::vector<double>& at) {
+    const std::optional<State> near = guess(at);
+    const State* const start = near ? &*near : nullptr;
     std::optional<Linearization> kept;
     try {
-      kept.emplace(linearize(compiled, prescribed_));
+      kept.emplace(linearize(compiled, prescribed_, {}, start));
       if (kept->conditions.worst() <= LinearizerAlong::worst_condition) return std::move(*kept);
     } catch (const AnalysisError& error) {
       if (error.analysis() != "partition" && error.analysis() != "linearize") throw;
     }
-    Linearization linear = linearize(compiled, compiled.options.linearize.prescribed);
+    Linearization linear = linearize(compiled, compiled.options.linearize.prescribed, {}, start);
     if (kept && kept->conditions.worst() <= 10.0 * linear.conditions.worst()) return std::move(*kept);
     const std::scoped_lock lock(mutex_);
     chosen_again_.push_back(at);
     return linear;
   }
 
+  const Context& context_;
   Sweep& sweep_;
   VariedScene varied_;
+  Family across_;
+  std::vector<Family> along_;
   int threads_;
   std::mutex mutex_;
   Progress progress_;
@@ -295,7 +350,41 @@ Found solve(SweptScene& scene, const Sweep& sweep, const Task& task) {
   return found;
 }
 
+/// Where the equilibria that were followed end.
+void note_ends(const SweptScene& scene, Sweep& sweep) {
+  for (std::size_t line = 0; line < sweep.lines.size(); ++line) {
+    const Family& family = scene.family(line);
+    if (!family.is_lost()) continue;
+    if (!family.fold()) {
+      sweep.notes.push_back("The equilibria that are followed end at " + digits(family.last(), 10) +
+                            ", and no fold was found there: " + family.why());
+      continue;
+    }
+    CriticalValue critical;
+    critical.fold = true;
+    critical.at = family.fold()->at;
+    critical.line = line;
+    critical.states =
+        family.fold()->variable + " = " + with_unit(short_number(family.fold()->value, 7), family.fold()->unit);
+    // The mode that comes to rest there: the slowest of the last point.
+    for (const Tracks::Point& point : sweep.lines[line].points) {
+      if (point.failed) continue;
+      double slowest = HUGE_VAL;
+      critical.others_unstable = 0;
+      for (std::size_t k = 0; k < point.value.size(); ++k) {
+        if (point.mode[k] < 0) continue;
+        if (point.value[k].real() > on_axis * point.error[k]) ++critical.others_unstable;
+        if (std::abs(point.value[k]) >= slowest) continue;
+        slowest = std::abs(point.value[k]);
+        critical.track = static_cast<int>(k);
+      }
+    }
+    sweep.critical.push_back(std::move(critical));
+  }
+}
+
 void find_events(SweptScene& scene, Sweep& sweep) {
+  note_ends(scene, sweep);
   std::vector<Task> tasks;
   for (std::size_t line = 0; line < sweep.lines.size(); ++line)
     Search(sweep.lines[line], line, tasks, sweep.notes).run();
@@ -405,6 +494,7 @@ Sweep run_sweep(const Context& context) {
   const std::vector<double>& along = sweep.over[0].values;
   const std::size_t lines = sweep.over.size() == 1 ? 1 : sweep.over[1].values.size();
   prescribe_partition(context, scene, sweep);
+  if (lines > 1) scene.follow_across();
   ModeFollower across;  // at the first value of the first parameter, along the second
   for (std::size_t line = 0; line < lines; ++line) {
     if (lines > 1) {
@@ -419,6 +509,7 @@ Sweep run_sweep(const Context& context) {
       });
       sweep.added += walked.points.size() - step.size();
     }
+    scene.follow_line(line);
     ModeFollower follower = across;
     sweep.lines.push_back(follower.follow(along, [&](const std::vector<double>& values) {
       std::vector<std::vector<double>> list;
@@ -434,6 +525,10 @@ Sweep run_sweep(const Context& context) {
     find_events(scene, sweep);
   }
   note_partitions(scene, sweep);
+  if (sweep.first) {
+    tell_equilibrium(context, sweep.first->equilibrium);
+    tell_stability(context, sweep.first->stability);
+  }
   return sweep;
 }
 

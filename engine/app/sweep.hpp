@@ -2,24 +2,28 @@
 #pragma once
 
 #include <complex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "app/context.hpp"
+#include "app/equilibrium_report.hpp"
 #include "io/plot.hpp"
 #include "io/tables.hpp"
 #include "linear/track.hpp"
 
 namespace bramah {
 
-/// A value of the (first) parameter where the real part of a mode passes zero. Structural zeros take no part.
+/// A value of the (first) parameter where the real part of a mode passes zero, or where the equilibrium ends in a fold.
+/// Structural zeros take no part.
 struct CriticalValue {
   double at = 0.0;
   std::size_t line = 0;
   int track = 0;
   std::complex<double> eigenvalue;  // there; 0 + 0i where it stays real
   bool oscillatory = false;         // flutter, Hopf; false: divergence
+  bool fold = false;                // beyond it there is no equilibrium; the eigenvalue is zero there
   bool becomes_unstable = true;     // as the parameter goes the way of the sweep
   long others_unstable = 0;         // modes with a positive real part besides this one and its conjugate
   std::string states;               // that take part
@@ -46,6 +50,7 @@ struct Sweep {
   std::vector<CriticalValue> critical;
   std::vector<BranchPoint> branches;
   std::vector<SweepFailure> failures;
+  std::optional<Rest> first;  // the equilibrium that the others are followed from
   std::vector<std::string> notes;
   std::size_t added = 0;  // points between those that were asked for
   bool interrupted = false;

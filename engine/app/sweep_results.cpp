@@ -32,14 +32,22 @@ void write_over(JsonWriter& json, const Sweep& sweep) {
   json.end_list();
 }
 
+const char* kind_of(const CriticalValue& critical) {
+  return critical.fold ? "fold" : critical.oscillatory ? "flutter" : "divergence";
+}
+const char* becomes(const CriticalValue& critical) {
+  return critical.fold ? "no equilibrium" : critical.becomes_unstable ? "unstable" : "stable";
+}
+
 void write_critical(JsonWriter& json, const Sweep& sweep) {
   json.key("critical").begin_list();
   for (const CriticalValue& critical : sweep.critical) {
     json.begin_flat_object();
     write_at(json, sweep, critical.line, critical.at);
-    json.member("mode", track_name(critical.track)).member("oscillatory", critical.oscillatory);
+    json.member("mode", track_name(critical.track)).member("kind", kind_of(critical));
+    json.member("oscillatory", critical.oscillatory);
     json.member("rad_s", critical.eigenvalue.imag()).member("frequency_hz", hertz(critical.eigenvalue));
-    json.member("becomes", critical.becomes_unstable ? "unstable" : "stable");
+    json.member("becomes", becomes(critical));
     json.member("others_unstable", critical.others_unstable).member("states", critical.states).end_object();
   }
   json.end_list();
@@ -86,10 +94,11 @@ Table critical_table(const Sweep& sweep) {
               "lllrlrl"};
   for (const CriticalValue& critical : sweep.critical) {
     table.rows.push_back({place_text(sweep, critical.line, critical.at, 15), track_name(critical.track),
-                          critical.oscillatory ? "oscillatory (flutter)" : "not oscillatory (divergence)",
+                          critical.fold          ? "the equilibrium ends (fold)"
+                          : critical.oscillatory ? "oscillatory (flutter)"
+                                                 : "not oscillatory (divergence)",
                           critical.oscillatory ? short_number(hertz(critical.eigenvalue), 6) + " Hz" : "",
-                          critical.becomes_unstable ? "unstable" : "stable", std::to_string(critical.others_unstable),
-                          critical.states});
+                          becomes(critical), std::to_string(critical.others_unstable), critical.states});
   }
   return table;
 }
@@ -114,13 +123,23 @@ std::string remarks_text(const Sweep& sweep) {
             ", both " + short_number(branch.eigenvalue, 6) + " 1/s.\n";
   }
   constexpr std::size_t most = 8;
-  for (std::size_t k = 0; k < std::min(most, sweep.failures.size()); ++k) {
-    std::string place;
-    for (std::size_t i = 0; i < sweep.failures[k].at.size(); ++i)
-      place += (i > 0 ? ", " : "") + with_unit(short_number(sweep.failures[k].at[i], 10), sweep.over[i].unit);
-    text += "No answer at " + place + ": " + sweep.failures[k].message + "\n";
+  const auto place = [&](const SweepFailure& failure) {
+    std::string at;
+    for (std::size_t i = 0; i < failure.at.size(); ++i)
+      at += (i > 0 ? ", " : "") + with_unit(short_number(failure.at[i], 10), sweep.over[i].unit);
+    return at;
+  };
+  std::size_t k = 0;
+  for (std::size_t shown = 0; k < sweep.failures.size() && shown < most; ++shown) {
+    const SweepFailure& first = sweep.failures[k];
+    std::size_t same = 1;
+    while (k + same < sweep.failures.size() && sweep.failures[k + same].message == first.message) ++same;
+    text += "No answer at " + place(first);
+    if (same > 1) text += " ... " + place(sweep.failures[k + same - 1]) + " (" + counted(same, "point") + ")";
+    text += ": " + first.message + "\n";
+    k += same;
   }
-  if (sweep.failures.size() > most)
+  if (k < sweep.failures.size())
     text += "... " + counted(sweep.failures.size(), "point") + " without an answer in all.\n";
   for (const std::string& note : sweep.notes) text += note + "\n";
   if (sweep.interrupted)
@@ -262,6 +281,8 @@ std::string sweep_document(const Sweep& sweep) {
     json.member("re", branch.eigenvalue).member("becomes", branch.splits ? "real" : "complex").end_object();
   }
   json.end_list().member("points_added", sweep.added);
+  write_equilibrium(json, sweep.first ? &sweep.first->equilibrium : nullptr,
+                    sweep.first ? &sweep.first->stability : nullptr);
   write_remarks(json, sweep);
   json.end_object();
   return json.take();
@@ -272,6 +293,8 @@ std::string critical_document(const Sweep& sweep) {
   json.begin_object();
   write_over(json, sweep);
   write_critical(json, sweep);
+  write_equilibrium(json, sweep.first ? &sweep.first->equilibrium : nullptr,
+                    sweep.first ? &sweep.first->stability : nullptr);
   write_remarks(json, sweep);
   json.end_object();
   return json.take();
@@ -339,7 +362,8 @@ std::string sweep_text(const Sweep& sweep) {
 
 std::string critical_text(const Sweep& sweep) {
   std::string text = range_text(sweep) + "\n";
-  text += sweep.critical.empty() ? "No real part passes zero.\n" : as_text(critical_table(sweep));
+  text += sweep.critical.empty() ? "No real part passes zero, and the equilibrium does not end.\n"
+                                 : as_text(critical_table(sweep));
   return text + remarks_text(sweep);
 }
 

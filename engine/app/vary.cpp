@@ -174,6 +174,8 @@ Vary run_vary(const Context& context) {
 
   const InterruptGuard guard;
   VariedScene scene(context, names);
+  if (context.options().simulate.from == SimulateOptions::From::equilibrium)
+    reason_against([&] { vary.rest = find_rest(context, context.start_time()); });  // runs may have one all the same
   Progress progress("vary", !context.arguments.quiet);
   std::mutex mutex;
   std::size_t done = 0;

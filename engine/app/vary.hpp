@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/context.hpp"
+#include "app/equilibrium_report.hpp"
 
 namespace bramah {
 
@@ -29,6 +31,7 @@ struct FigureStatistics {
 struct Vary {
   std::vector<RunFigure> parameters, figures;
   std::vector<VariedRun> runs;  // grid points in order, at each its draws
+  std::optional<Rest> rest;     // of the scene as it is written, where runs begin at an equilibrium and it has one
   bool interrupted = false;
   [[nodiscard]] std::size_t count(VariedRun::Status status) const;
 };

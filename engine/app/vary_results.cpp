@@ -77,6 +77,7 @@ std::string vary_document(const Vary& vary) {
     json.key("values").values(run.values).member("message", run.message).end_object();
   }
   json.end_list().member("failed", vary.count(VariedRun::Status::failed)).member("interrupted", vary.interrupted);
+  write_equilibrium(json, vary.rest ? &vary.rest->equilibrium : nullptr, vary.rest ? &vary.rest->stability : nullptr);
   json.end_object();
   return json.take();
 }

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "app/context.hpp"
+#include "app/equilibrium_report.hpp"
 #include "app/failure.hpp"
 #include "app/results.hpp"
 #include "app/verbs.hpp"
@@ -63,7 +64,7 @@ std::vector<double> members(const Spectrum& spectrum, std::size_t group) {
   return places;
 }
 
-std::string document(const Findings& findings) {
+std::string document(const Linearization& linear, const Findings& findings) {
   JsonWriter json;
   json.begin_object();
   std::vector<std::complex<double>> eigenvalues;
@@ -88,7 +89,9 @@ std::string document(const Findings& findings) {
   json.end_list().key("failed").begin_list();
   for (const Failed& failed : findings.failed)
     json.begin_flat_object().member("number", failed.name).member("why", failed.why).end_object();
-  json.end_list().end_object();
+  json.end_list();
+  write_equilibrium(json, linear);
+  json.end_object();
   return json.take();
 }
 
@@ -169,7 +172,7 @@ int run(const Arguments& arguments) {
     make_folder(arguments.out);
     write_file(std::filesystem::path(arguments.out) / "sensitivity.csv", csv(findings));
   }
-  deliver(arguments, "sensitivity.json", document(findings), out);
+  deliver(arguments, "sensitivity.json", document(linear, findings), out);
   return exit_ok;
 }
 

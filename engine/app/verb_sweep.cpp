@@ -59,7 +59,7 @@ Prints the largest real part along the parameter and where it passes zero. --out
 point), root_locus.svg, real_parts.svg, frequencies.svg.
 --json prints {"over": [{"parameter", "unit", "values"}], "modes": [{"name", "states_at_first"}], "points": [{"at",
 "failed", "zeros", "unstable", "re": [...], "im": [...]}], "critical": [...] (see critical), "branch_points": [{"at",
-"first", "second", "re", "becomes"}], "points_added", "failures": [{"at", "message"}], "notes", "interrupted"}
+"first", "second", "re", "becomes"}], "points_added", "equilibrium", "failures": [{"at", "message"}], "notes", "interrupted"}
 )",
     run_sweep_verb,
     kOptions};
@@ -79,8 +79,8 @@ Example
   bramah critical scenes/bicycle/benchmark.json --over "constants.v=0.2:9:45"
 
 --out writes critical.json
---json prints {"over": [...], "critical": [{"at": [value], "mode", "oscillatory", "rad_s", "frequency_hz", "becomes",
-"others_unstable", "states"}], "failures": [...], "notes", "interrupted"}
+--json prints {"over": [...], "critical": [{"at": [value], "mode", "kind", "oscillatory", "rad_s", "frequency_hz",
+"becomes", "others_unstable", "states"}], "equilibrium", "failures": [...], "notes", "interrupted"}
 )",
     run_critical_verb,
     kOptions};

@@ -42,7 +42,8 @@ Example
 
 --out writes vary.json and vary.csv (a row a run: parameters, figures, status, message).
 --json prints {"parameters": [{"name", "unit"}], "figures": [{"name", "unit", "mean", "standard_deviation", "min", "max",
-"p5", "p50", "p95"}], "runs": [{"run", "at", "status", "values", "message"}], "failed", "interrupted"}
+"p5", "p50", "p95"}], "runs": [{"run", "at", "status", "values", "message"}], "failed", "interrupted",
+"equilibrium"}
 The exit code is 0 if any run succeeded, 1 if none did, 130 after Ctrl-C, with the complete runs kept.
 )",
     run,

@@ -203,5 +203,88 @@ TEST_F(Cli, RespondsInTime) {
   }
 }
 
+/// An upright rod of mass m with its centre 1 m above a pin with a torsion spring of 49.05 N m, started 0.1 rad aslant.
+std::string column(const std::string& sweep) {
+  return R"({ "bramah": 1, "libraries": ["mechanics"], "constants": { "m": 1 }, "components": {
+    "ground": { "type": "mechanics/ground" },
+    "down": { "type": "mechanics/gravity", "acceleration": [0, -9.81, 0] },
+    "rod": { "type": "mechanics/planar_body", "gravity": "down", "mass": "=m", "inertia": 0.3,
+             "position": [-0.09983341664682815, 0.9950041652780258], "angle": 0.1 },
+    "pin": { "type": "mechanics/planar_revolute", "a": "rod", "point_a": [0, -1], "b": "ground" },
+    "spring": { "type": "mechanics/torsion_spring", "to": "rod.angle", "stiffness": 49.05 } }, "sweep": )" +
+         sweep + " }";
+}
+
+// Beyond m = 5 kg the start values lead to a rod that leans; the family that is followed stands upright.
+TEST_F(Cli, SweepFollowsOneFamilyThroughItsLossOfStability) {
+  write("column.json", column(R"({ "parameter": "constants.m", "from": 1, "to": 9.3, "count": 12 })"));
+  const json d = document("sweep column.json");
+  ASSERT_EQ(d.at("critical").size(), 1U);
+  EXPECT_EQ(d.at("critical")[0].at("kind"), "divergence");
+  EXPECT_TRUE(close(d.at("critical")[0].at("at")[0], 5.0, 1e-11));
+  EXPECT_TRUE(d.at("failures").empty());
+  for (const json& point : d.at("points")) {
+    const double m = point.at("at")[0];
+    double largest = 0.0;
+    for (const json& re : point.at("re")) largest = std::max(largest, re.get<double>());
+    // (m + 0.3) s^2 = m g - k
+    EXPECT_TRUE(close(largest * largest, std::max(0.0, m * 9.81 - 49.05) / (m + 0.3), 1e-9, 1e-6)) << m << " kg";
+  }
+  EXPECT_EQ(d.at("equilibrium").at("stability").at("undamped"), 1);
+  EXPECT_TRUE(close(d.at("equilibrium").at("moved").at("rod.angle").at("from"), 0.1, 1e-12));
+}
+
+/// An arch of a mass and a spring of stiffness k and free length L, a load F upon it: F(y) = k (L / l - 1) y, l = sqrt(1 + y^2)
+/// is largest where l^3 = L.
+std::string arch(const std::string& sweep) {
+  return R"({ "bramah": 1, "libraries": ["mechanics", "signals"], "constants": { "F": 0, "k": 2000 }, "components": {
+    "ground": { "type": "mechanics/ground" },
+    "m": { "type": "mechanics/planar_body", "mass": 1, "inertia": 1, "position": [0, 0.3] },
+    "rail": { "type": "mechanics/planar_slot", "a": "ground", "b": "m", "direction": [0, 1] },
+    "upright": { "type": "mechanics/planar_slot", "a": "ground", "b": "m", "direction": [0, 1], "point_b": [0, 0.5] },
+    "s": { "type": "mechanics/planar_stroke", "a": "ground", "point_a": [-1, 0], "b": "m", "length": 1.04 },
+    "spring": { "type": "mechanics/spring_damper", "to": "s.s", "stiffness": "=k", "damping": 20,
+                "free_length": 1.044030650891055 },
+    "load": { "type": "signals/constant", "unit": "N", "value": "=F" },
+    "force": { "type": "mechanics/planar_force", "on": "m", "direction": [0, -1], "magnitude": "load" } },
+  "sweep": )" +
+         sweep + " }";
+}
+
+double limit_load(double k) {
+  const double L = 1.044030650891055, l = std::cbrt(L);
+  return k * (L / l - 1.0) * std::sqrt(l * l - 1.0);
+}
+
+TEST_F(Cli, CriticalFindsTheFoldOfAnArchFromBothSides) {
+  for (const auto& [from, to, expected] :
+       {std::tuple{0.0, 30.0, 1.0}, {0.0, 9.95, 1.0}, {30.0, -30.0, -1.0}, {-1.0, 1000.0, 1.0}}) {
+    write("arch.json", arch("{ \"parameter\": \"constants.F\", \"from\": " + std::to_string(from) +
+                            ", \"to\": " + std::to_string(to) + ", \"count\": 7 }"));
+    const json d = document("critical arch.json");
+    ASSERT_EQ(d.at("critical").size(), 1U) << from << " ... " << to;
+    const json& fold = d.at("critical")[0];
+    EXPECT_EQ(fold.at("kind"), "fold");
+    EXPECT_EQ(fold.at("becomes"), "no equilibrium");
+    EXPECT_THAT(fold.at("states").get<std::string>(), HasSubstr("m.y = "));
+    EXPECT_TRUE(close(fold.at("at")[0], expected * limit_load(2000.0), 1e-11)) << from << " ... " << to;
+    for (const json& failure : d.at("failures")) {
+      EXPECT_GT(expected * failure.at("at")[0].get<double>(), limit_load(2000.0));
+      EXPECT_THAT(failure.at("message").get<std::string>(), HasSubstr("turn back at"));
+    }
+  }
+  write("arch.json", arch(R"({ "parameter": "constants.F", "from": 0, "to": 9, "count": 5 })"));
+  EXPECT_TRUE(document("critical arch.json").at("critical").empty());
+}
+
+TEST_F(Cli, EachLineOfAGridHasItsOwnFold) {
+  write("arch.json", arch(R"({ "parameter": "constants.F", "from": 0, "to": 30, "count": 7,
+                             "second": { "parameter": "constants.k", "from": 1000, "to": 4000, "count": 4 } })"));
+  const json d = document("critical arch.json");
+  ASSERT_EQ(d.at("critical").size(), 4U);
+  for (const json& fold : d.at("critical"))
+    EXPECT_TRUE(close(fold.at("at")[0], limit_load(fold.at("at")[1]), 1e-11)) << fold.dump();
+}
+
 }  // namespace
 }  // namespace bramah
