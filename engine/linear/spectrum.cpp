@@ -7,16 +7,11 @@
 #include <optional>
 #include <tuple>
 
+#include "linear/block_form.hpp"
 #include "linear/defective.hpp"
+#include "linear/lapack.hpp"
 #include "linear/staircase.hpp"
 #include "system/analysis_error.hpp"
-
-// LAPACK has no C header of its own; this is its published calling sequence.
-// NOLINTNEXTLINE(readability-identifier-naming)
-extern "C" void dgeevx_(const char* balanc, const char* jobvl, const char* jobvr, const char* sense, const int* n,
-                        double* a, const int* lda, double* wr, double* wi, double* vl, const int* ldvl, double* vr,
-                        const int* ldvr, int* ilo, int* ihi, double* scale, double* abnrm, double* rconde,
-                        double* rcondv, double* work, const int* lwork, int* iwork, int* info);
 
 namespace bramah {
 namespace {
@@ -33,7 +28,7 @@ constexpr double doubt = 50.0;
 // Components of a vector below this part of its largest are rounding.
 constexpr double negligible = 1e-7;
 
-// A slow eigenvalue beside fast ones is refined where QR's error bound takes more than this part of it.
+// A slow eigenvalue beside fast ones of its part is refined where QR's error bound takes more than this part of it.
 constexpr double refine_above = 1e-12;
 // The quotient's error grows with the square of the condition.
 constexpr double well_conditioned = 1e5;
@@ -58,57 +53,10 @@ Complex rayleigh_quotient(const MatrixXd& A, const VectorXcd& w, const VectorXcd
   return {static_cast<double>(quotient.real()), static_cast<double>(quotient.imag())};
 }
 
-struct Eigensystem {
-  std::vector<Complex> values;
-  MatrixXcd right, left;
-  double norm = 0.0;
-};
-
-Eigensystem eigensystem(MatrixXd A, bool vectors) {
-  Eigensystem result;
-  const auto n = static_cast<int>(A.rows());
-  if (n == 0) return result;
+void require_finite(const MatrixXd& A) {
   if (!A.allFinite())
     throw AnalysisError("modes", "a Jacobian with entries that are not finite", "a finite Jacobian",
                         "linearize at another state");
-  const auto size = static_cast<std::size_t>(n);
-  std::vector<double> wr(size), wi(size), scale(size), rconde(size), rcondv(size);
-  MatrixXd vl(vectors ? n : 1, vectors ? n : 1), vr(vectors ? n : 1, vectors ? n : 1);
-  const auto ld = static_cast<int>(vl.rows());
-  std::vector<int> iwork(2 * size);
-  const char* job = vectors ? "V" : "N";
-  int ilo = 0, ihi = 0, info = 0, lwork = -1;
-  double optimal = 0.0;
-  const auto call = [&](double* work) {
-    dgeevx_("B", job, job, "N", &n, A.data(), &n, wr.data(), wi.data(), vl.data(), &ld, vr.data(), &ld, &ilo, &ihi,
-            scale.data(), &result.norm, rconde.data(), rcondv.data(), work, &lwork, iwork.data(), &info);
-  };
-  call(&optimal);
-  lwork = static_cast<int>(optimal);
-  std::vector<double> work(static_cast<std::size_t>(lwork));
-  call(work.data());
-  if (info != 0)
-    throw AnalysisError("modes", "the QR iteration did not converge", "eigenvalues of the Jacobian",
-                        "check the model's scales");
-  for (std::size_t k = 0; k < size; ++k) result.values.emplace_back(wr[k], wi[k]);
-  if (!vectors) return result;
-  const auto complex = [&](const MatrixXd& packed) {
-    MatrixXcd full(n, n);
-    for (int k = 0; k < n; ++k) {
-      const double imaginary = wi[static_cast<std::size_t>(k)];
-      if (imaginary > 0.0) {
-        full.col(k) = packed.col(k).cast<Complex>() + Complex(0, 1) * packed.col(k + 1);
-      } else if (imaginary < 0.0) {
-        full.col(k) = full.col(k - 1).conjugate();
-      } else {
-        full.col(k) = packed.col(k).cast<Complex>();
-      }
-    }
-    return full;
-  };
-  result.right = complex(vr);
-  result.left = complex(vl);
-  return result;
 }
 
 VectorXd nominals(const LinearModel& model) {
@@ -124,16 +72,6 @@ MatrixXd readable(const MatrixXd& B) {
   MatrixXd square(B.cols(), B.cols());
   for (Index k = 0; k < B.cols(); ++k) square.row(k) = B.row(qr.colsPermutation().indices()(k));
   return B * square.inverse();
-}
-
-MatrixXd null_space(const MatrixXd& M) {
-  if (M.cols() == 0) return M;
-  const Eigen::JacobiSVD<MatrixXd> svd(M, Eigen::ComputeFullV);
-  const VectorXd& s = svd.singularValues();
-  const double limit = 1e-9 * std::max(1.0, s.size() > 0 ? s(0) : 0.0);
-  Index rank = 0;
-  while (rank < s.size() && s(rank) > limit) ++rank;
-  return svd.matrixV().rightCols(M.cols() - rank);
 }
 
 /// Columns of `candidates` that are independent of `taken` and of each other.
@@ -229,7 +167,10 @@ MatrixXd participation(const Spectrum& spectrum) {
   return shares;
 }
 
-std::vector<Complex> plain_eigenvalues(const MatrixXd& A) { return eigensystem(A, false).values; }
+std::vector<Complex> plain_eigenvalues(const MatrixXd& A) {
+  require_finite(A);
+  return lapack::eigenvalues(A);
+}
 
 std::vector<Complex> plain_eigenvalues(const LinearModel& model) {
   const VectorXd nominal = nominals(model);
@@ -270,14 +211,14 @@ bool inseparable(const std::vector<Mode>& modes, std::size_t k) {
 
 /// Groups of modes that are one eigenvalue. What rounding moves them by is known of the group only: as single ones they
 /// have no condition.
-void find_defective(const Staircase& stairs, const VectorXd& nominal, Spectrum& spectrum) {
+void find_defective(const BlockForm& form, const VectorXd& nominal, Spectrum& spectrum) {
   std::optional<InvariantSubspaces> subspaces;
   std::vector<Mode>& modes = spectrum.modes;
   for (std::size_t k = 0; k < modes.size(); ++k) {
     if (modes[k].group >= 0 || !inseparable(modes, k)) continue;
     if (!subspaces)
-      subspaces.emplace(stairs.triangular, stairs.zeros(),
-                        doubt * std::numeric_limits<double>::epsilon() * spectrum.norm);
+      subspaces.emplace(form.triangular, form.zeros(),
+                        doubt * std::numeric_limits<double>::epsilon() * form.triangular.norm());
     std::optional<DefectiveGroup> group = subspaces->defective_group(modes[k].eigenvalue);
     if (!group) continue;
     std::vector<std::size_t> nearest(modes.size());
@@ -291,104 +232,155 @@ void find_defective(const Staircase& stairs, const VectorXd& nominal, Spectrum& 
       mode.rounding = group->rounding;
       mode.doubtful = std::abs(mode.eigenvalue) <= mode.rounding;
     }
-    group->right = nominal.cast<Complex>().asDiagonal() * (stairs.Q.cast<Complex>() * group->right);
-    group->left = nominal.cwiseInverse().cast<Complex>().asDiagonal() * (stairs.Q.cast<Complex>() * group->left);
+    group->right = nominal.cast<Complex>().asDiagonal() * (form.right.cast<Complex>() * group->right);
+    group->left = nominal.cwiseInverse().cast<Complex>().asDiagonal() * (form.left.cast<Complex>() * group->left);
     spectrum.defective.push_back(*std::move(group));
   }
 }
 
-}  // namespace
+/// Vectors of the nonzero eigenvalues, (n x their number), as columns of complex numbers.
+MatrixXcd unpacked(const MatrixXd& packed, const std::vector<Complex>& eigenvalues) {
+  MatrixXcd full(packed.rows(), packed.cols());
+  for (Index k = 0; k < packed.cols(); ++k) {
+    const double imaginary = eigenvalues[static_cast<std::size_t>(k)].imag();
+    if (imaginary > 0.0) {
+      full.col(k) = packed.col(k).cast<Complex>() + Complex(0, 1) * packed.col(k + 1);
+    } else if (imaginary < 0.0) {
+      full.col(k) = full.col(k - 1).conjugate();
+    } else {
+      full.col(k) = packed.col(k).cast<Complex>();
+    }
+  }
+  return full;
+}
 
-Spectrum find_spectrum(const LinearModel& model) {
-  const VectorXd nominal = nominals(model);
-  const Index n = nominal.size();
-  const VectorXd row_rounding = model.rounding.size() == n ? model.rounding : VectorXd::Zero(n);
-  const MatrixXd A =
-      without_rounding(nominal.cwiseInverse().asDiagonal() * model.A * nominal.asDiagonal(), row_rounding);
-  Spectrum spectrum;
-  if (!A.allFinite())
-    throw AnalysisError("modes", "a Jacobian with entries that are not finite", "a finite Jacobian",
-                        "linearize at another state");
-  const Staircase stairs = find_staircase(A, row_rounding);
-  const Index z = stairs.zeros(), rest = n - z;
-  spectrum.smallest_accepted = stairs.accepted;
-  spectrum.largest_refused = stairs.refused;
-  const Eigensystem inner = eigensystem(stairs.triangular.bottomRightCorner(rest, rest), true);
-  spectrum.norm = A.norm();
+/// What rounding may have moved the eigenvalues by, to first order: in the parts that they belong to, and to better values
+/// where these are to be had.
+class Refinement {
+ public:
+  /// `right`, `left`: vectors of A, one column for each of form.nonzero.
+  Refinement(const MatrixXd& A, const BlockForm& form, const MatrixXcd& right, const MatrixXcd& left)
+      : A_(A), form_(form), right_(right), left_(left), eigenvalues_(form.nonzero), moved_(eigenvalues_.size()) {}
 
-  // Vectors of A from those of the block: Q [y; v] with (lambda - A_zz) y = A_zr v, and Q [0; w].
+  void run() {
+    for (std::size_t k = 0; k < moved_.size(); ++k) moved_[k] = by_iteration(k);
+    const std::vector<double> iterated = moved_;
+    for (std::size_t k = 0; k < moved_.size(); ++k) {
+      // Partners follow one another; they stay exact conjugates.
+      if (k > 0 && eigenvalues_[k].imag() < 0.0) {
+        eigenvalues_[k] = std::conj(eigenvalues_[k - 1]);
+        moved_[k] = moved_[k - 1];
+      } else {
+        refine(k, iterated);
+      }
+    }
+  }
+  [[nodiscard]] Complex eigenvalue(std::size_t k) const { return eigenvalues_[k]; }
+  [[nodiscard]] double moved(std::size_t k) const { return moved_[k]; }
+
+ private:
+  static constexpr double eps = std::numeric_limits<double>::epsilon();
+  [[nodiscard]] const BlockForm::Part& part(std::size_t k) const { return form_.parts[form_.part_of[k]]; }
+
+  /// Of the QR iteration: eps |P| condition, of the balanced part P with its zeros.
+  [[nodiscard]] double by_iteration(std::size_t k) const {
+    if (part(k).states.size() == 1) return eps * std::abs(eigenvalues_[k]);
+    const std::vector<Index>& states = part(k).states;
+    const VectorXd balance = form_.balance(states);
+    const VectorXcd v = balance.cwiseInverse().asDiagonal() * right_(states, static_cast<Index>(k)),
+                    w = balance.asDiagonal() * left_(states, static_cast<Index>(k));
+    return eps * part(k).norm * v.norm() * w.norm() / std::abs(w.dot(v));
+  }
+
+  /// The quotient's error is of second order in what the iteration moved, over the distance to the next eigenvalue; what is
+  /// left is rounding of the entries that the eigenvalue depends on.
+  void refine(std::size_t k, const std::vector<double>& iterated) {
+    if (!(moved_[k] > refine_above * std::abs(eigenvalues_[k])) || part(k).states.size() == 1) return;
+    const auto first = static_cast<std::size_t>(part(k).first), last = first + static_cast<std::size_t>(part(k).count);
+    const bool with_zeros = last - first < part(k).states.size();
+    double gap = with_zeros ? std::abs(eigenvalues_[k]) : std::numeric_limits<double>::infinity(), worst = 0.0;
+    for (std::size_t j = first; j < last; ++j) {
+      worst = std::max(worst, iterated[j]);
+      if (j != k) gap = std::min(gap, std::abs(form_.nonzero[j] - form_.nonzero[k]));
+    }
+    const double second = moved_[k] * worst / gap;
+    if (!(second < moved_[k]) || moved_[k] > well_conditioned * eps * part(k).norm) return;
+    const MatrixXd P = A_(part(k).states, part(k).states);
+    const VectorXcd v = right_(part(k).states, static_cast<Index>(k)), w = left_(part(k).states, static_cast<Index>(k));
+    const double refined = eps * w.cwiseAbs().dot(P.cwiseAbs() * v.cwiseAbs()) / std::abs(w.dot(v)) + second;
+    if (!(refined < moved_[k])) return;
+    eigenvalues_[k] = rayleigh_quotient(P, w, v);
+    moved_[k] = refined;
+  }
+
+  const MatrixXd& A_;
+  const BlockForm& form_;
+  const MatrixXcd &right_, &left_;
+  std::vector<Complex> eigenvalues_;
+  std::vector<double> moved_;
+};
+
+/// One mode for each nonzero eigenvalue, states in nominals.
+void add_modes(const MatrixXd& A, const BlockForm& form, const VectorXd& nominal, Spectrum& spectrum) {
+  const Index n = A.rows(), rest = n - form.zeros();
+  MatrixXd right, left;
+  lapack::vectors(form.triangular, rest, right, left);
+  const MatrixXcd V = unpacked(form.right * right, form.nonzero), W = unpacked(form.left * left, form.nonzero);
+  Refinement refined(A, form, V, W);
+  refined.run();
   spectrum.right = MatrixXcd::Zero(n, n);
   spectrum.left = MatrixXcd::Zero(n, rest);
   for (Index k = 0; k < rest; ++k) {
+    const auto at = static_cast<std::size_t>(k);
     Mode mode;
-    mode.eigenvalue = inner.values[static_cast<std::size_t>(k)];
-    VectorXcd v(n), w = VectorXcd::Zero(n);
-    v.tail(rest) = inner.right.col(k);
-    w.tail(rest) = inner.left.col(k);
-    if (z > 0) {
-      const MatrixXcd shifted =
-          mode.eigenvalue * MatrixXcd::Identity(z, z) - stairs.triangular.topLeftCorner(z, z).cast<Complex>();
-      v.head(z) = shifted.triangularView<Eigen::Upper>().solve(
-          stairs.triangular.topRightCorner(z, rest).cast<Complex>() * v.tail(rest));
-    }
-    v = stairs.Q.cast<Complex>() * v;
-    w = stairs.Q.cast<Complex>() * w;
+    mode.eigenvalue = refined.eigenvalue(at);
+    mode.rounding = doubt * refined.moved(at);
+    VectorXcd v = V.col(k), w = W.col(k);
     const Complex product = w.dot(v);  // w^H v
-    mode.condition =
-        std::abs(product) > 0.0 ? w.norm() * v.norm() / std::abs(product) : std::numeric_limits<double>::infinity();
-    const double rounding = std::numeric_limits<double>::epsilon() * spectrum.norm * mode.condition;
-    // Near a defective zero w^H v vanishes, and with it all that the quotient could tell.
-    if (rounding > refine_above * std::abs(mode.eigenvalue) && mode.condition < well_conditioned)
-      mode.eigenvalue = rayleigh_quotient(A, w, v);
-    // Partners follow one another; they stay exact conjugates.
-    if (mode.eigenvalue.imag() < 0.0 && k > 0) mode.eigenvalue = std::conj(spectrum.modes.back().eigenvalue);
-    mode.rounding = doubt * rounding;
+    const bool parallel = std::abs(product) > 0.0;
+    mode.condition = parallel ? w.norm() * v.norm() / std::abs(product) : std::numeric_limits<double>::infinity();
     mode.doubtful = std::abs(mode.eigenvalue) <= mode.rounding;
     Index largest = 0;
     v.cwiseAbs().maxCoeff(&largest);
     const Complex unit = v(largest);
     v /= unit;
-    w *= std::conj(unit) / std::conj(product);
+    if (parallel) w *= std::conj(unit) / std::conj(product);
     spectrum.right.col(k) = nominal.cast<Complex>().asDiagonal() * v;
     spectrum.left.col(k) = nominal.cwiseInverse().cast<Complex>().asDiagonal() * w;
     spectrum.modes.push_back(std::move(mode));
   }
-  find_defective(stairs, nominal, spectrum);
-  for (Index k = 0; k < rest; ++k) {
-    Mode& mode = spectrum.modes[static_cast<std::size_t>(k)];
-    if (!mode.doubtful) continue;
-    mode.cause = "numerically zero but unexplained: ranks say nonzero, rounding alone could make it; moves " +
-                 joined(named(model, nominal.cwiseInverse().cwiseProduct(spectrum.right.col(k).cwiseAbs()), nominal));
-  }
-  sort_modes(spectrum);
-  if (z == 0) return spectrum;
+}
 
-  // Jordan blocks: starting vectors of blocks of size >= k are A_zz^(k-1) null(A_zz^k), nested; longest first.
-  const MatrixXd nilpotent = stairs.triangular.topLeftCorner(z, z);
-  const std::vector<int> sizes = stairs.block_sizes();
+/// Jordan blocks, longest first: blocks of size >= k start at N^(k-1) null(N^k), nested. The first columns of a staircase
+/// span the null spaces.
+void add_zeros(const LinearModel& model, const BlockForm& form, const VectorXd& nominal, Spectrum& spectrum) {
+  const Index z = form.zeros();
+  const MatrixXd N = form.triangular.topLeftCorner(z, z);
+  const auto longest = static_cast<int>(form.steps.size());
+  std::vector<MatrixXd> powers = {MatrixXd::Identity(z, z)};
+  while (static_cast<int>(powers.size()) < longest) powers.emplace_back(powers.back() * N);
   MatrixXd taken(z, 0);
-  for (int k = sizes.front(); k >= 1; --k) {
-    const Index count = std::count(sizes.begin(), sizes.end(), k);
+  for (int k = longest; k >= 1; --k) {
+    const auto step = form.steps.begin() + k;
+    const Index count = *(step - 1) - (k < longest ? *step : 0),
+                dimension = std::accumulate(form.steps.begin(), step, Index{0});
     if (count == 0) continue;
-    MatrixXd power = MatrixXd::Identity(z, z);
-    for (int j = 1; j < k; ++j) power = power * nilpotent;
-    MatrixXd starts = power * null_space(power * nilpotent);
+    MatrixXd starts = powers[static_cast<std::size_t>(k - 1)].leftCols(dimension);
     for (Index j = 0; j < starts.cols(); ++j) {
       const double norm = starts.col(j).norm();
       if (norm > 0.0) starts.col(j) /= norm;
     }
     const MatrixXd chosen = extend(taken, starts, count);
-    const MatrixXd vectors = readable(stairs.Q.leftCols(z) * chosen);
+    const MatrixXd vectors = readable(form.right.leftCols(z) * chosen);
     for (Index j = 0; j < count; ++j) spectrum.zeros.push_back(classify(model, vectors.col(j), k, nominal));
     MatrixXd both(z, taken.cols() + count);
     both << taken, chosen;
     taken = both;
   }
   // Conserved sums: the left null space of A, each combined to few names.
-  const Staircase transposed = find_staircase(A.transpose());
-  const Index conserved = transposed.steps.empty() ? 0 : transposed.steps.front();
-  const MatrixXd left = readable(transposed.Q.leftCols(conserved));
-  for (Index j = 0; j < conserved; ++j) spectrum.conserved.push_back(named(model, left.col(j), nominal.cwiseInverse()));
+  const MatrixXd left = readable(form.left_null_space());
+  for (Index j = 0; j < left.cols(); ++j)
+    spectrum.conserved.push_back(named(model, left.col(j), nominal.cwiseInverse()));
   for (const ZeroBlock& block : spectrum.zeros) {
     for (int j = 0; j < block.size; ++j) {
       Mode mode;
@@ -400,7 +392,36 @@ Spectrum find_spectrum(const LinearModel& model) {
       spectrum.modes.push_back(mode);
     }
   }
-  spectrum.right.rightCols(z) = (nominal.asDiagonal() * stairs.Q.leftCols(z)).cast<Complex>();
+  spectrum.right.rightCols(z) = (nominal.asDiagonal() * form.right.leftCols(z)).cast<Complex>();
+}
+
+}  // namespace
+
+Spectrum find_spectrum(const LinearModel& model) {
+  const VectorXd nominal = nominals(model);
+  const Index n = nominal.size();
+  const VectorXd rounding = model.rounding.size() == n ? model.rounding : VectorXd::Zero(n);
+  // The diagonal has no unit but 1/s, and takes no rounding.
+  MatrixXd A = nominal.cwiseInverse().asDiagonal() * model.A * nominal.asDiagonal();
+  A.diagonal() = model.A.diagonal();
+  A = without_rounding(std::move(A), rounding);
+  require_finite(A);
+  const BlockForm form = find_block_form(A, rounding);
+  Spectrum spectrum;
+  spectrum.smallest_accepted = form.accepted;
+  spectrum.largest_refused = form.refused;
+  spectrum.norm = A.norm();
+  add_modes(A, form, nominal, spectrum);
+  find_defective(form, nominal, spectrum);
+  for (std::size_t k = 0; k < spectrum.modes.size(); ++k) {
+    Mode& mode = spectrum.modes[k];
+    if (!mode.doubtful) continue;
+    const VectorXd moves = nominal.cwiseInverse().cwiseProduct(spectrum.right.col(static_cast<Index>(k)).cwiseAbs());
+    mode.cause = "numerically zero but unexplained: ranks say nonzero, rounding alone could make it; moves " +
+                 joined(named(model, moves, nominal));
+  }
+  sort_modes(spectrum);
+  if (form.zeros() > 0) add_zeros(model, form, nominal, spectrum);
   return spectrum;
 }
 

@@ -55,7 +55,7 @@ struct Spectrum {
   [[nodiscard]] Eigen::Index unstable_count() const;
 };
 
-/// The spectrum of a reduced model: zeros by rank, the others by LAPACK (dgeevx, balanced), states in nominals.
+/// The spectrum of a reduced model: zeros by rank, the others by LAPACK in balanced parts, states in nominals.
 Spectrum find_spectrum(const LinearModel& model);
 
 /// Participation of each state (row) in each nonzero mode (column): |left x right|, columns of sum 1, whatever the units.

@@ -10,12 +10,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Terms that cancel already inside an entry, and signs that conspire more than those that were tried.
-constexpr double rounding_margin = 100.0;
+// Of the norm of a matrix, for each of its rows: what an orthogonal transformation leaves of an exact zero.
+constexpr double turning = 1e-15;
 
 /// An orthonormal basis [null space, complement] of M's columns; `rank` by pivoted QR of the row-equilibrated matrix,
 /// which has the same null space and comparable rows: a fast row cannot hide a slow one.
-MatrixXd split(MatrixXd M, double tolerance, Index& nullity, double& accepted, double& refused) {
+/// At least `least` columns are taken for the null space.
+MatrixXd split(MatrixXd M, double tolerance, Index least, Index& nullity, double& accepted, double& refused) {
   const Index n = M.rows();
   for (Index i = 0; i < n; ++i) {
     const double norm = M.row(i).norm();
@@ -26,7 +27,7 @@ MatrixXd split(MatrixXd M, double tolerance, Index& nullity, double& accepted, d
   Index rank = 0;
   for (Index i = 0; i < n; ++i) {
     const double pivot = std::abs(qr.matrixQR()(i, i));
-    if (pivot <= tolerance) {
+    if (pivot <= tolerance || i >= n - least) {
       refused = std::max(refused, pivot);
     } else {
       accepted = std::min(accepted, pivot);
@@ -64,24 +65,25 @@ MatrixXd without_rounding(MatrixXd A, const VectorXd& rounding) {
   return A;
 }
 
-Staircase find_staircase(const MatrixXd& A, const VectorXd& rounding, double tolerance) {
+namespace {
+
+Staircase climb(const MatrixXd& A, const VectorXd& rounding, double tolerance, Index least) {
   Staircase result;
   const Index n = A.rows();
   result.Q = MatrixXd::Identity(n, n);
   result.triangular = A;
+  const double norm = A.norm();
   for (Index done = 0; done < n;) {
     const Index size = n - done;
     Index nullity = 0;
     const MatrixXd rest = result.triangular.bottomRightCorner(size, size);
-    // What rounding left of an exact zero matrix is zero.
-    const double floor = 1e-15 * std::max(1.0, A.norm()) * static_cast<double>(size);
-    VectorXd limit = VectorXd::Constant(size, floor / rounding_margin);
-    if (rounding.size() == n) {
-      const VectorXd turned = (result.Q.rightCols(size).cwiseAbs2().transpose() * rounding.cwiseAbs2()).cwiseSqrt();
-      limit = limit.cwiseMax(turned);
-    }
+    VectorXd limit = VectorXd::Zero(size);
+    if (rounding.size() == n)
+      limit = (result.Q.rightCols(size).cwiseAbs2().transpose() * rounding.cwiseAbs2()).cwiseSqrt();
+    // A itself has not been turned yet.
+    if (done > 0) limit = limit.cwiseMax(turning / rounding_margin * static_cast<double>(size) * norm);
     const MatrixXd cleaned = without_rounding(rest, limit);
-    const MatrixXd Z = split(cleaned, tolerance, nullity, result.accepted, result.refused);
+    const MatrixXd Z = split(cleaned, tolerance, least, nullity, result.accepted, result.refused);
     if (nullity == 0) break;
     result.Q.rightCols(size) = (result.Q.rightCols(size) * Z).eval();
     result.triangular.rightCols(size) = (result.triangular.rightCols(size) * Z).eval();
@@ -92,5 +94,13 @@ Staircase find_staircase(const MatrixXd& A, const VectorXd& rounding, double tol
   }
   return result;
 }
+
+}  // namespace
+
+Staircase find_staircase(const MatrixXd& A, const VectorXd& rounding, double tolerance) {
+  return climb(A, rounding, tolerance, 0);
+}
+
+Staircase find_staircase_of_nilpotent(const MatrixXd& N, double tolerance) { return climb(N, {}, tolerance, 1); }
 
 }  // namespace bramah

@@ -7,6 +7,10 @@
 
 namespace bramah {
 
+/// How many times its rounding an entry must have to be taken for nonzero: terms that cancel already inside an entry, and
+/// signs that conspire more than those that were tried.
+inline constexpr double rounding_margin = 100.0;
+
 struct Staircase {
   Eigen::MatrixXd Q;                // (n x n) orthogonal; Q^T A Q is block upper triangular, zeros first
   Eigen::MatrixXd triangular;       // Q^T A Q
@@ -27,5 +31,7 @@ Eigen::MatrixXd without_rounding(Eigen::MatrixXd A, const Eigen::VectorXd& round
 /// `tolerance` times the norm of its row, a row where it is not above a small
 /// multiple of its `rounding` (n; empty: A is exact).
 Staircase find_staircase(const Eigen::MatrixXd& A, const Eigen::VectorXd& rounding = {}, double tolerance = 1e-11);
+/// The same of a matrix that is known to have no other eigenvalue: every step finds a null space.
+Staircase find_staircase_of_nilpotent(const Eigen::MatrixXd& N, double tolerance = 1e-11);
 
 }  // namespace bramah
