@@ -22,7 +22,7 @@ class InvariantSubspaces {
 
  private:
   void bring_forward(Eigen::Index from, Eigen::Index to);
-  DefectiveGroup leading(Eigen::Index size) const;
+  [[nodiscard]] DefectiveGroup leading(Eigen::Index size) const;
 
   Eigen::MatrixXcd zero_, coupling_;  // the first diagonal block; the block beside it, in the vectors of schur_
   Eigen::MatrixXcd schur_, vectors_;  // of the rest

@@ -96,16 +96,16 @@ Known random_known(Random& random) {
     first.push_back(n);
     switch (index(random, 0, 2)) {
       case 0:
-        blocks.push_back(MatrixXd::Zero(1, 1));
+        blocks.emplace_back(MatrixXd::Zero(1, 1));
         ++known.zeros;
         break;
       case 1:
-        blocks.push_back(MatrixXd::Constant(1, 1, -size));
+        blocks.emplace_back(MatrixXd::Constant(1, 1, -size));
         known.eigenvalues.emplace_back(-size);
         break;
       default: {  // size (-zeta +- i), the entries of its coupling as different as those of position and rate
         const double zeta = number(random, 0.1, 1.0), ratio = std::exp2(index(random, -3, 3));
-        blocks.push_back(size * (MatrixXd(2, 2) << -zeta, ratio, -1.0 / ratio, -zeta).finished());
+        blocks.emplace_back(size * (MatrixXd(2, 2) << -zeta, ratio, -1.0 / ratio, -zeta).finished());
         known.eigenvalues.emplace_back(-zeta * size, size);
         known.eigenvalues.emplace_back(-zeta * size, -size);
       }
