@@ -66,6 +66,36 @@ class Reader {
     }
   }
 
+  /// Older checkpoints have none.
+  void events(std::vector<EventMemory>& events) {
+    const Value* section = root_.find("events");
+    if (section == nullptr) return;
+    for (std::size_t k = 0; section->object() != nullptr && k < section->object()->size(); ++k) {
+      const auto& [name, value] = (*section->object())[k];
+      EventMemory& event = events.emplace_back();
+      event.name = name;
+      double side = 0.0;
+      const auto number = [&value = value](const char* key, double& to) {
+        const Value* found = value.find(key);
+        if (found == nullptr || found->number() == nullptr) return false;
+        to = *found->number();
+        return true;
+      };
+      const Value *of = value.find("of"), *fresh = value.find("fresh");
+      if (of != nullptr && of->text() != nullptr && fresh != nullptr && fresh->boolean() != nullptr &&
+          number("level", event.level) && number("side", side) && number("slack", event.slack) &&
+          number("low", event.low) && number("high", event.high)) {
+        event.of = *of->text();
+        event.fresh = *fresh->boolean();
+        event.side = side > 0.0 ? 1 : side < 0.0 ? -1 : 0;
+      } else {
+        faults_.push_back(
+            at(pointer("/events", name), fault("not-a-checkpoint", "no state of the event " + in_quotes(name),
+                                               "a checkpoint of bramah simulate", remedy)));
+      }
+    }
+  }
+
   static bool list(const Value& value, std::vector<double>& numbers) {
     if (value.list() == nullptr) return false;
     for (const Value& item : *value.list()) {
@@ -95,6 +125,24 @@ std::vector<std::string> multipliers(const System& system) {
   return names;
 }
 
+/// Time, side, x, v and z; older checkpoints do not have this place.
+void read_place(const System& system, const Value& from, State& state, Faults& faults) {
+  Reader reader(from);
+  state.t = reader.number("time");
+  state.side = reader.number("side") < 0.0 ? -1 : 1;
+  reader.named("x", names_of(system.x), 2, [&](std::size_t i, const std::vector<double>& numbers) {
+    state.x[i] = numbers[0];
+    state.v[i] = numbers[1];
+  });
+  reader.named("z", names_of(system.z), 1,
+               [&](std::size_t i, const std::vector<double>& numbers) { state.z[i] = numbers[0]; });
+  for (Diagnostic& fault : reader.faults()) {
+    fault.pointer = "/chosen_at" + fault.pointer;
+    faults.push_back(std::move(fault));
+  }
+  apply_inputs(system, state);
+}
+
 }  // namespace
 
 std::string checkpoint_text(const System& system, const Checkpoint& checkpoint) {
@@ -113,7 +161,21 @@ std::string checkpoint_text(const System& system, const Checkpoint& checkpoint) 
   for (std::size_t i = 0; i < names.size(); ++i) json.key(names[i]).values(std::vector<double>{state.lambda[i]});
   json.end_object().key("held").begin_object();
   for (const auto& [input, value] : state.held) json.member(system.inputs[static_cast<std::size_t>(input)].name, value);
-  json.end_object().key("memory").values(checkpoint.memory).end_object();
+  json.end_object().key("memory").values(checkpoint.memory);
+  json.key("events").begin_object();
+  for (const EventMemory& event : checkpoint.events) {
+    json.key(event.name).begin_flat_object().member("of", event.of).member("level", event.level);
+    json.member("side", event.side).member("fresh", event.fresh).member("slack", event.slack);
+    json.member("low", event.low).member("high", event.high).end_object();
+  }
+  json.end_object();
+  const State& chosen = checkpoint.chosen_at;
+  json.key("chosen_at").begin_object().member("time", chosen.t).member("side", chosen.side).key("x").begin_object();
+  for (std::size_t i = 0; i < system.x.size(); ++i)
+    json.key(system.x[i].name).values(std::vector<double>{chosen.x[i], chosen.v[i]});
+  json.end_object().key("z").begin_object();
+  for (std::size_t i = 0; i < system.z.size(); ++i) json.key(system.z[i].name).values(std::vector<double>{chosen.z[i]});
+  json.end_object().end_object().end_object();
   return json.take();
 }
 
@@ -164,8 +226,11 @@ Checkpoint read_checkpoint(const System& system, const Source& source) {
     reader.faults().push_back(
         fault("not-a-checkpoint", "no list \"memory\" of numbers", "a checkpoint of bramah simulate", remedy));
   }
-  if (!reader.faults().empty()) throw SceneError(std::move(reader.faults()));
+  reader.events(result.events);
   apply_inputs(system, state);
+  result.chosen_at = state;
+  if (const Value* chosen = root.find("chosen_at")) read_place(system, *chosen, result.chosen_at, reader.faults());
+  if (!reader.faults().empty()) throw SceneError(std::move(reader.faults()));
   return result;
 }
 

@@ -2,43 +2,70 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 namespace bramah {
 namespace {
 
-// A function counts as zero within this part of its size: it must leave this band before it can have a zero again. The
-// size of a switching function is its nominal, that of a condition its level; at level 0 the largest magnitude that the
-// watched quantity had.
-constexpr double band = 1e-9;
-// What a machine of nominal size shows by rounding alone.
-constexpr double rounding = 1e-15;
-// A method that meets the state of an event anew may come back to the old side by this part of the size.
-constexpr double settled = 1e-6;
+// A function counts as zero within its band, and must leave the band before it can have a zero again. The band of a
+// switching function is this part of its nominal, that of a condition this part of the range that its quantity had so far,
+constexpr double band_of_range = 1e-9;
+// and no less than what the values are rounded to, in the machine at hand: projections and KKT solves lose some digits.
+constexpr double rounding = 1e-12;
+// What a quantity of the machine shows by rounding where it and its level are zero, as part of its size.
+constexpr double least = 1e-15;
 // Zeros are located to this part of the step.
 constexpr double resolution = 1e-13;
+
+/// Size that a quantity has in this machine, in its unit; 0 where it is not computed from others, or nobody knows.
+double size_of(const System& system, const Measured& of) {
+  const Scales& scales = system.scales;
+  const double time = scales.time;
+  const auto variable = [&](const Variable& x) { return x.unit == "m" ? scales.length : x.nominal; };
+  const auto i = static_cast<std::size_t>(of.index);
+  switch (of.kind) {
+    case Measured::Kind::x: return variable(system.x[i]);
+    case Measured::Kind::v: return variable(system.x[i]) / time;
+    case Measured::Kind::a: return variable(system.x[i]) / (time * time);
+    case Measured::Kind::z: return variable(system.z[i]);
+    case Measured::Kind::zdot: return variable(system.z[i]) / time;
+    case Measured::Kind::lambda: return of.unit == "N" ? scales.force() : scales.energy();
+    case Measured::Kind::y: return system.outputs[i].nominal;
+    case Measured::Kind::input: return 0.0;
+    case Measured::Kind::energy: return scales.energy();
+    case Measured::Kind::power: return scales.energy() / time;
+  }
+  return 0.0;
+}
+
+/// Whether `other` can happen again once `event` has: the quantity is then beyond its level on the side that it waits on.
+bool rearms(const EventOptions& event, const EventOptions& other) {
+  if (event.of.kind != other.of.kind || event.of.index != other.of.index || event.rises == other.rises) return false;
+  return event.rises ? other.level <= event.level : other.level >= event.level;
+}
 
 }  // namespace
 
 Events::Events(const System& system, const SimulateOptions& options, Kkt& kkt)
     : system_(system), kkt_(kkt), switches_(system), conditions_(options.events), blocks_(system) {
   if (options.meet_switches) {
-    for (const Switches::Info& info : switches_.info()) size_.push_back(info.nominal);
+    for (const Switches::Info& info : switches_.info()) watches_.emplace_back().size = info.nominal;
   }
-  switching_ = size_.size();
-  least_.assign(switching_, 0.0);
+  switching_ = watches_.size();
   std::vector<Measured> watched;
   for (const EventOptions& condition : conditions_) {
     watched.push_back(condition.of);
-    size_.push_back(std::abs(condition.level));
-    least_.push_back(rounding);
+    Watch& watch = watches_.emplace_back();
+    watch.size = size_of(system, condition.of);
+    for (std::size_t k = 0; k < conditions_.size(); ++k) {
+      if (rearms(condition, conditions_[k])) watch.rearms.push_back(switching_ + k);
+    }
     using Kind = Measured::Kind;
     const Kind kind = condition.of.kind;
     needs_forces_ |=
         kind == Kind::a || kind == Kind::zdot || kind == Kind::lambda || kind == Kind::y || kind == Kind::power;
   }
   meter_.emplace(system, std::move(watched));
-  signs_.assign(size_.size(), 0);
-  fresh_.assign(size_.size(), false);
 }
 
 std::string Events::name(std::size_t event) const {
@@ -60,46 +87,111 @@ const Vector& Events::evaluate(State& state) {
     kkt_.complete(state, blocks_);
   }
   const Vector& watched = meter_->read(state);
-  for (std::size_t k = 0; k < conditions_.size(); ++k) {
-    values_.push_back(watched[k] - conditions_[k].level);
-    if (conditions_[k].level == 0.0 && std::isfinite(watched[k]))
-      size_[switching_ + k] = std::max(size_[switching_ + k], std::abs(watched[k]));
-  }
+  for (std::size_t k = 0; k < conditions_.size(); ++k) values_.push_back(watched[k] - conditions_[k].level);
   return values_;
 }
 
-int Events::sign(std::size_t event, double value) const {
-  if (std::isnan(value) || std::abs(value) <= std::max(band * size_[event], least_[event])) return 0;
-  const int now = value > 0.0 ? 1 : -1;
-  return fresh_[event] && now == -signs_[event] && std::abs(value) <= settled * size_[event] ? 0 : now;
+double Events::band(std::size_t event, double value) const {
+  const Watch& watch = watches_[event];
+  if (event < switching_) return band_of_range * watch.size;
+  const double level = conditions_[event - switching_].level;
+  const double rounded = rounding * std::max(std::abs(level), std::abs(value + level));
+  return std::max({rounded, band_of_range * (watch.high - watch.low), least * watch.size});
 }
 
-/// Whether a change of sign to `to` is an event: conditions count in their direction only, and also where they leave the
+/// Of the zero; 0 within its band.
+int Events::side(std::size_t event, double value) const {
+  if (std::isnan(value) || std::abs(value) <= band(event, value)) return 0;
+  const Watch& watch = watches_[event];
+  const int now = value > 0.0 ? 1 : -1;
+  return watch.fresh && now == -watch.side && std::abs(value) <= watch.slack ? 0 : now;
+}
+
+/// Whether a change to the side `to` is an event: conditions count in their direction only, and also where they leave the
 /// level on which they started.
 bool Events::counts(std::size_t event, int to) const {
   const EventOptions* watched = condition(event);
-  if (to == 0 || to == signs_[event] || (signs_[event] == 0 && watched == nullptr)) return false;
+  const int from = watches_[event].side;
+  if (to == 0 || to == from || (from == 0 && watched == nullptr)) return false;
   return watched == nullptr || watched->rises == (to > 0);
 }
 
-void Events::note(std::size_t event, int now) {
+void Events::note(std::size_t event, double value, int now) {
+  Watch& watch = watches_[event];
+  if (std::isfinite(value)) {
+    watch.low = std::min(watch.low, value);
+    watch.high = std::max(watch.high, value);
+  }
+  watch.armed = true;
   if (now == 0) return;
-  signs_[event] = now;
-  fresh_[event] = false;
+  watch.side = now;
+  watch.fresh = false;
+}
+
+/// The event has been located just beyond its zero. Conditions on the same quantity that wait on that side can happen
+/// again, however near their levels are.
+void Events::happen(std::size_t event, int to) {
+  const auto reach = [](Watch& watch, int now) {
+    watch.side = now;
+    watch.fresh = true;
+    watch.slack = 0.0;
+  };
+  reach(watches_[event], to);
+  for (const std::size_t other : watches_[event].rearms) {
+    if (watches_[other].side != to) reach(watches_[other], to);
+  }
 }
 
 std::optional<Events::Hit> Events::arm(State& state) {
   if (none()) return std::nullopt;
   const Vector& values = evaluate(state);
   Hit hit{state.t, {}};
-  for (std::size_t k = 0; k < signs_.size(); ++k) {
-    const int now = sign(k, values[k]);
-    if (armed_ && condition(k) != nullptr && signs_[k] != 0 && counts(k, now)) hit.what.push_back(k);
-    note(k, now);
+  for (std::size_t k = 0; k < watches_.size(); ++k) {
+    const int now = side(k, values[k]);
+    if (watches_[k].armed && condition(k) != nullptr && counts(k, now)) hit.what.push_back(k);
+    note(k, values[k], now);
   }
-  armed_ = true;
   if (hit.what.empty()) return std::nullopt;
   return hit;
+}
+
+void Events::settled(State& state) {
+  const Vector& values = evaluate(state);
+  for (std::size_t k = 0; k < watches_.size(); ++k) {
+    Watch& watch = watches_[k];
+    if (watch.fresh && values[k] * watch.side < 0.0) watch.slack = 2.0 * std::abs(values[k]);
+  }
+}
+
+std::vector<EventMemory> Events::memory() const {
+  std::vector<EventMemory> memory;
+  for (std::size_t k = 0; k < watches_.size(); ++k) {
+    const Watch& watch = watches_[k];
+    if (!watch.armed) continue;
+    const EventOptions* watched = condition(k);
+    memory.push_back({name(k), watched == nullptr ? "" : watched->of.name, watched == nullptr ? 0.0 : watched->level,
+                      watch.side, watch.fresh, watch.slack, watch.low, watch.high});
+  }
+  return memory;
+}
+
+void Events::recall(std::span<const EventMemory> memory) {
+  std::unordered_map<std::string, const EventMemory*> known;
+  for (const EventMemory& one : memory) known.emplace(one.name, &one);
+  for (std::size_t k = 0; k < watches_.size(); ++k) {
+    const auto found = known.find(name(k));
+    if (found == known.end()) continue;
+    const EventMemory& one = *found->second;
+    const EventOptions* watched = condition(k);
+    if (watched != nullptr && (one.of != watched->of.name || one.level != watched->level)) continue;
+    Watch& watch = watches_[k];
+    watch.low = one.low;
+    watch.high = one.high;
+    watch.side = one.side;
+    watch.fresh = one.fresh;
+    watch.slack = one.slack;
+    watch.armed = true;
+  }
 }
 
 /// Regula falsi of Illinois on [low, high], where the sign changes; the end beyond the zero.
@@ -135,23 +227,19 @@ std::optional<Events::Hit> Events::find(double before, double reached, const Int
   if (none()) return std::nullopt;
   for (double low = before; const double high : {0.5 * (before + reached), reached}) {
     interpolate(high, state);
-    before_ = evaluate(state);
+    ends_ = evaluate(state);
     std::optional<Hit> first;
-    for (std::size_t k = 0; k < signs_.size(); ++k) {
-      const int now = sign(k, before_[k]);
-      if (!counts(k, now)) continue;
+    for (std::size_t k = 0; k < watches_.size(); ++k) {
+      if (!counts(k, side(k, ends_[k]))) continue;
       const double time = locate(k, low, high, interpolate, state);
       if (!first || time < first->time) first = Hit{time, {}};
       if (time == first->time) first->what.push_back(k);
     }
     if (first) {
-      for (const std::size_t k : first->what) {
-        signs_[k] = before_[k] > 0.0 ? 1 : -1;
-        fresh_[k] = true;
-      }
+      for (const std::size_t k : first->what) happen(k, ends_[k] > 0.0 ? 1 : -1);
       return first;
     }
-    for (std::size_t k = 0; k < signs_.size(); ++k) note(k, sign(k, before_[k]));
+    for (std::size_t k = 0; k < watches_.size(); ++k) note(k, ends_[k], side(k, ends_[k]));
     low = high;
   }
   return std::nullopt;

@@ -215,6 +215,7 @@ void GeneralizedAlpha::begin(const State& state, double end) {
   w_.assign(state.zdot.begin(), state.zdot.begin() + nz_);
   next_alpha_ = alpha_;
   next_w_ = w_;
+  lu_.forget_pivots();  // or a run continued from here would have other bits
   if (!form_matrix(last_, step_)) fail("the iteration matrix cannot be formed");
   // Room for all that steps evaluate is made now.
   if (!evaluate_rows()) fail("the rows cannot be evaluated");

@@ -20,7 +20,7 @@ namespace {
 
 constexpr long most_steps_in_segment = 50'000'000;
 // Events that follow each other faster than this part of the run have no end: a law that jumps, or a contact that rattles.
-constexpr double least_distance = 1e-12;
+constexpr double least_distance = 1e-10;
 constexpr int most_crowded_events = 1000;
 
 class Stopwatch {
@@ -63,16 +63,23 @@ class Schedule {
   long grid_ = 0;
 };
 
+bool is_breakpoint(const System& system, double t) {
+  return next_breakpoint(system, std::nextafter(t, -HUGE_VAL)) <= t;
+}
+
 class Run {
  public:
-  Run(const System& system, const SimulateOptions& options, const State& start, const Observer& observer)
+  /// Rows are chosen at `chosen_at`: where the run began that this one continues.
+  Run(const System& system, const SimulateOptions& options, const State& start, const State& chosen_at,
+      const Observer& observer)
       : system_(system),
         options_(options),
         observer_(observer),
-        chosen_(choose_integrator(system, options, start)),
+        chosen_at_(chosen_at),
+        chosen_(choose_integrator(system, options, chosen_at)),
         integrator_(*chosen_.integrator),
         blocks_(system),
-        dropped_(system, choose_partition(system, start), start, options.rel_tol),
+        dropped_(system, choose_partition(system, chosen_at), chosen_at, options.rel_tol),
         kkt_(system, dropped_.kept()),
         book_(system, kkt_.rows()),
         events_(system, options, kkt_),
@@ -82,12 +89,15 @@ class Run {
         limited_(static_cast<std::size_t>(2 * system.n() + system.nz()), 0) {}
 
   Simulation march();
-  /// Continues what `memory` remembers, with no output at the start.
-  void recall(const Vector& memory);
+  /// Continues what the checkpoint remembers, with no output at the start.
+  void recall(const Checkpoint& from);
   [[nodiscard]] std::string integrator() const { return std::string(integrator_.name()); }
 
  private:
   [[nodiscard]] Checkpoint checkpoint() const;
+  void state_at(double t, State& state);
+  void complete(State& state);
+  void project();
   std::optional<Events::Hit> begin_segment();
   void march_segment();
   void settle(const Events::Hit& hit);
@@ -99,6 +109,7 @@ class Run {
   const System& system_;
   const SimulateOptions& options_;
   const Observer& observer_;
+  State chosen_at_;
   ChosenIntegrator chosen_;
   Integrator& integrator_;
   Blocks blocks_;
@@ -107,10 +118,12 @@ class Run {
   EnergyBook book_;
   Events events_;
   Schedule schedule_;
-  State state_, shown_;  // reached; where an output is made
-  double segment_end_ = 0.0;
+  State state_, shown_;                         // reached; where an output is made
+  double segment_end_ = 0.0, next_jump_ = 0.0;  // the first is the second or the end of the run
   bool running_ = true, started_ = false, resumed_ = false;
-  Vector memory_;  // of the checkpoint to go on from
+  bool anew_ = true;        // integration starts anew from state_: at the start, at a jump, at an event
+  bool remembers_ = false;  // the integrator goes on from a checkpoint with the same bits
+  Vector memory_;           // of the checkpoint to go on from
   double last_event_ = -HUGE_VAL;
   int crowded_ = 0;  // events in a row that came too soon
   std::vector<long> limited_;
@@ -118,16 +131,33 @@ class Run {
   Simulation result_;
 };
 
+/// t, side, x, v, z and inputs at a time within the last step, both ends included. All that looks at a state on the way
+/// comes here: outputs, events and the energy balance see the same.
+void Run::state_at(double t, State& state) {
+  if (&state != &state_) state.held = state_.held;
+  integrator_.interpolate(t, state);
+}
+
+/// Accelerations, multipliers and rates of what is shown.
+void Run::complete(State& state) {
+  if (remembers_) kkt_.forget_pivots();  // or a continued run would show other bits than one that came along
+  kkt_.complete(state, blocks_);
+}
+
 /// Starts behind a jump, or at the start; with the conditions that the jump has made true.
 std::optional<Events::Hit> Run::begin_segment() {
-  segment_end_ = std::min(options_.to_time, next_breakpoint(system_, state_.t));
+  next_jump_ = next_breakpoint(system_, state_.t);
+  segment_end_ = std::min(options_.to_time, next_jump_);
+  // Steps leave the constraints within their tolerance. A new start from there fails its error test at any step size.
+  if (memory_.empty() && (started_ || resumed_)) project();
   state_.side = 1;
   apply_inputs(system_, state_);
-  kkt_.forget_pivots();  // or a continued run would begin with other bits than one that came along
+  kkt_.forget_pivots();
   kkt_.complete(state_, blocks_);
   integrator_.begin(state_, segment_end_);
+  remembers_ = !integrator_.memory().empty();
   if (!memory_.empty()) integrator_.recall(std::exchange(memory_, {}));
-  shown_.held = state_.held;  // what is shown has the inputs that are integrated
+  anew_ = false;
   const auto hit = events_.arm(state_);
   book_.begin(state_);
   if (started_) ++result_.statistics.restarts;
@@ -135,19 +165,24 @@ std::optional<Events::Hit> Run::begin_segment() {
   return hit;
 }
 
-void Run::recall(const Vector& memory) {
-  memory_ = memory;
+void Run::recall(const Checkpoint& from) {
   resumed_ = true;
+  memory_ = from.memory;
+  events_.recall(from.events);
 }
 
-Checkpoint Run::checkpoint() const { return {state_, std::string(integrator_.name()), integrator_.memory()}; }
+Checkpoint Run::checkpoint() const {
+  const bool anew = anew_ || state_.t >= next_jump_;
+  return {state_, chosen_at_, std::string(integrator_.name()), anew ? Vector() : integrator_.memory(),
+          events_.memory()};
+}
 
 /// Output at t within the last step: completed.
 void Run::emit(double t) {
   if (!observer_.output) return;
   watch_.lap(result_.statistics.seconds_integrating);
-  integrator_.interpolate(t, shown_);
-  kkt_.complete(shown_, blocks_);
+  state_at(t, shown_);
+  complete(shown_);
   observer_.output(shown_);
   watch_.lap(result_.statistics.seconds_outputs);
 }
@@ -169,16 +204,23 @@ void Run::note_step(double step) {
   dropped_.look(state_, blocks_);
 }
 
-/// Puts the state of an event back onto the constraints, from which interpolation has taken it.
-void Run::settle(const Events::Hit& hit) {
-  integrator_.interpolate(hit.time, state_);
+void Run::project() {
   assemble_positions(system_, state_);
   assemble_velocities(system_, state_);
-  kkt_.complete(state_, blocks_);
+}
+
+/// Puts the state of an event back onto the constraints, from which interpolation has taken it.
+void Run::settle(const Events::Hit& hit) {
+  anew_ = true;
+  state_at(hit.time, state_);
+  project();
+  complete(state_);
+  events_.settled(state_);
 }
 
 /// What the scene asks for at an event; outputs on both sides where it does.
 void Run::take(const Events::Hit& hit) {
+  anew_ = true;
   const double distance = hit.time - last_event_;
   last_event_ = hit.time;
   crowded_ = distance < least_distance * (options_.to_time - options_.from_time) ? crowded_ + 1 : 0;
@@ -211,12 +253,12 @@ void Run::take(const Events::Hit& hit) {
   if (!shown || !running_) return;
   state_.side = 1;
   apply_inputs(system_, state_);
-  kkt_.complete(state_, blocks_);
+  complete(state_);
   if (observer_.output) observer_.output(state_);
 }
 
 void Run::march_segment() {
-  const auto interpolate = [this](double t, State& state) { integrator_.interpolate(t, state); };
+  const auto interpolate = [this](double t, State& state) { state_at(t, state); };
   for (long steps = 0; state_.t < segment_end_ && running_; ++steps) {
     const double before = state_.t;
     double reached = integrator_.step();
@@ -235,7 +277,7 @@ void Run::march_segment() {
     if (hit) {
       settle(*hit);
     } else {
-      integrator_.interpolate(reached, state_);
+      state_at(reached, state_);
     }
     note_step(step);
     book_.step(state_, interpolate, shown_);
@@ -258,18 +300,18 @@ Simulation Run::march() {
   const auto clock = std::chrono::steady_clock::now();
   try {
     while (state_.t < options_.to_time && running_) {
-      const bool first = !started_;
-      const double breakpoint = segment_end_;
+      const bool first = !started_ && !resumed_;
+      const bool jump = state_.side < 0 && is_breakpoint(system_, state_.t);
       const auto hit = begin_segment();
       // The start, and the far side of every jump of an input.
-      if (observer_.output && (first ? !resumed_ : state_.t == breakpoint)) observer_.output(state_);
+      if (observer_.output && (first || jump)) observer_.output(state_);
       if (hit) {
         take(*hit);  // may change inputs, and with them what is true
       } else {
         march_segment();
       }
     }
-    kkt_.complete(state_, blocks_);
+    complete(state_);
   } catch (const AnalysisError& error) {
     throw SimulationError(error, checkpoint());
   }
@@ -314,7 +356,7 @@ Simulation simulate(const System& system, const SimulateOptions& options, const 
   if (system.n() + system.nz() == 0)
     throw AnalysisError("simulate", "a scene without variables", "something that moves or stores", "add components");
   check_times(system, options, start.t);
-  return Run(system, options, start, observer).march();
+  return Run(system, options, start, start, observer).march();
 }
 
 Simulation resume(const System& system, const SimulateOptions& options, const Checkpoint& from,
@@ -323,12 +365,12 @@ Simulation resume(const System& system, const SimulateOptions& options, const Ch
   SimulateOptions same = options;
   if (options.integrator == SimulateOptions::Integrator::automatic)
     same.integrator = integrator_called(from.integrator);
-  Run run(system, same, from.state, observer);
+  Run run(system, same, from.state, from.chosen_at, observer);
   if (const std::string name = run.integrator(); name != from.integrator) {
     throw AnalysisError("simulate", "a checkpoint of \"" + from.integrator + "\", to be continued by \"" + name + "\"",
                         "the integrator that wrote it", "set \"integrator\": \"" + from.integrator + "\"", "/simulate");
   }
-  run.recall(from.memory);
+  run.recall(from);
   return run.march();
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "solve/energy_book.hpp"
+#include "solve/event_memory.hpp"
 #include "solve/integrator.hpp"
 #include "solve/partition.hpp"
 #include "system/options.hpp"
@@ -34,8 +35,10 @@ struct SimulationStatistics : IntegratorWork {
 /// All that a run needs to go on from where it was.
 struct Checkpoint {
   State state;             // complete
+  State chosen_at;         // t, side, x, v, z: where the independent rows were chosen
   std::string integrator;  // Integrator::name
-  Vector memory;           // Integrator::memory
+  Vector memory;           // Integrator::memory; empty where integration starts anew
+  std::vector<EventMemory> events;
 };
 
 struct Observer {

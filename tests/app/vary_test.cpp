@@ -84,6 +84,28 @@ TEST_F(Cli, VarySetsAsSettingsDo) {
   }
 }
 
+TEST_F(Cli, VaryShowsWhatEventsHold) {
+  // A push of 5 N, which turns round at 3 m/s: after m 3/5 s.
+  write("o.json", R"({ "bramah": 1, "libraries": ["mechanics", "signals"], "components": {
+    "u": { "type": "signals/constant", "unit": "N", "value": 5 },
+    "m": { "type": "mechanics/mass", "mass": 2 },
+    "push": { "type": "mechanics/coordinate_force", "on": "m.x", "force": "u" } },
+  "outputs": ["m.x.rate", "m.x.acceleration", "u"],
+  "simulate": { "to_time": 3, "output_step": 0.01,
+                "events": { "fast": { "of": "m.x.rate", "rises_above": 3, "hold": { "u": -5 } } } },
+  "vary": { "over": { "m.mass": [2, 3, 4] } } })");
+  const json d = document("vary o.json");
+  for (std::size_t run = 0; run < 3; ++run) {
+    const double mass = 2.0 + static_cast<double>(run), turn = 0.6 * mass;
+    EXPECT_EQ(figure(d, run, "u.final"), -5.0);
+    EXPECT_EQ(figure(d, run, "u.min"), -5.0);
+    EXPECT_EQ(figure(d, run, "u.max"), 5.0);
+    EXPECT_TRUE(close(figure(d, run, "m.x.acceleration.final"), -5.0 / mass, 1e-12));
+    EXPECT_TRUE(close(figure(d, run, "m.x.rate.final"), 3.0 - 5.0 / mass * (3.0 - turn), 1e-6));
+    EXPECT_TRUE(close(figure(d, run, "m.x.rate.max"), 3.0, 1e-6));
+  }
+}
+
 TEST_F(Cli, VaryGivesTheFiguresOfAClosedForm) {
   // x = cos w t over 3 s, rows every 10 ms: the trapezoidal rule errs by h^2 / 12 (f'(3) - f'(0)) / 3 <= 1.3e-5.
   write("o.json", oscillator(R"({ "over": { "k.stiffness": [2, 8, 18] }, "of": ["m.x"] })"));
