@@ -41,8 +41,9 @@ std::string csv_header(const std::vector<Measured>& outputs);
 std::string csv_row(double time, std::span<const double> values);
 
 Table statistics_table(const Transient& transient);
-/// What to say of a run that came to its end with a wrong energy: more than 2 % of what was turned over unaccounted for.
-std::optional<AnalysisError> energy_fault(const Simulation& simulation);
+/// Why not to trust a run that came to its end: more than 2 % of the energy that was turned over unaccounted for, or
+/// accelerations without digits.
+std::vector<AnalysisError> doubts_of(const Simulation& simulation);
 /// Members of an open object.
 void write_statistics(class JsonWriter& json, const Transient& transient);
 

@@ -102,7 +102,7 @@ bool simulate_one(const Compiled& compiled, std::vector<double>& values) {
   observer.progress = [](double, double) { return !InterruptGuard::interrupted(); };
   const Simulation simulation = simulate(system, options, start, observer);
   if (simulation.stopped) return false;
-  if (const auto fault = energy_fault(simulation)) throw AnalysisError(*fault);
+  if (const auto doubts = doubts_of(simulation); !doubts.empty()) throw AnalysisError(doubts.front());
   values.push_back(figures.time());
   for (std::size_t output = 0; output < vary.of.size(); ++output) {
     for (const Figure figure : vary.figures) values.push_back(figures.figure(output, figure));

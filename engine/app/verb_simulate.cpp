@@ -158,7 +158,8 @@ int run(const Arguments& arguments) {
     say(as_text(statistics_table(transient), ""));
     if (!series.file().empty()) say("wrote " + series.file().string() + " and " + saved.string() + '\n');
   }
-  if (const auto fault = energy_fault(transient.simulation)) say("warning: " + std::string(fault->what()) + '\n');
+  for (const AnalysisError& doubt : doubts_of(transient.simulation))
+    say("warning: " + std::string(doubt.what()) + '\n');
   if (transient.interrupted)
     say("interrupted; results up to t = " + short_number(transient.last_time, 10) + " s are kept" +
         (arguments.out.empty() ? "" : ", --resume " + saved.string() + " goes on") + '\n');

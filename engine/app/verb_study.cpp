@@ -72,7 +72,8 @@ void simulate_study(const Context& context, Folder& folder, StudyResults& result
   }
   csv.commit();
   folder.files().emplace_back("time_series.csv");
-  if (const auto fault = energy_fault(results.transient->simulation)) results.remarks.emplace_back(fault->what());
+  for (const AnalysisError& doubt : doubts_of(results.transient->simulation))
+    results.remarks.emplace_back(doubt.what());
   if (results.transient->interrupted) {
     results.remarks.push_back("The simulation was interrupted at t = " + short_number(results.transient->last_time) +
                               " s.");

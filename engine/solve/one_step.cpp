@@ -261,6 +261,7 @@ IntegratorWork OneStep::work() const {
   sum.evaluations = explicit_rates + implicit_rates;
   sum.factorizations = sum.evaluations + factorizations_;  // a KKT matrix for every evaluation of rates
   sum.error_test_failures = error_failures;
+  sum.imprecise = rates_.imprecise();
   if (implicit_) {
     ARKStepGetNonlinSolvStats(ark_, &newton, &convergence);
     sum.newton_iterations = newton;

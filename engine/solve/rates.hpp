@@ -37,6 +37,8 @@ class Rates {
   /// Solves (I - gamma J) y = b in place, b (2n + nz).
   void solve(std::span<double> b);
   [[nodiscard]] const std::string& singular() const { return singular_; }
+  /// Kkt::imprecise
+  [[nodiscard]] long imprecise() const { return kkt_.imprecise(); }
 
  private:
   [[nodiscard]] double violation(const State& state, Index& row);

@@ -142,6 +142,10 @@ void Run::state_at(double t, State& state) {
 void Run::complete(State& state) {
   if (remembers_) kkt_.forget_pivots();  // or a continued run would show other bits than one that came along
   kkt_.complete(state, blocks_);
+  if (kkt_.uncertainty() > result_.statistics.worst_shown) {
+    result_.statistics.worst_shown = kkt_.uncertainty();
+    result_.statistics.worst_shown_time = state.t;
+  }
 }
 
 /// Starts behind a jump, or at the start; with the conditions that the jump has made true.
@@ -153,7 +157,7 @@ std::optional<Events::Hit> Run::begin_segment() {
   state_.side = 1;
   apply_inputs(system_, state_);
   kkt_.forget_pivots();
-  kkt_.complete(state_, blocks_);
+  complete(state_);
   integrator_.begin(state_, segment_end_);
   remembers_ = !integrator_.memory().empty();
   if (!memory_.empty()) integrator_.recall(std::exchange(memory_, {}));

@@ -28,6 +28,7 @@ struct SimulationStatistics : IntegratorWork {
   std::string limiting;       // the variable that limited most steps
   double limiting_share = 0;  // of the steps
   EnergyBalance energy;
+  double worst_shown = 0.0, worst_shown_time = 0.0;  // Kkt::uncertainty of what was shown
   double seconds = 0.0;
   double seconds_integrating = 0.0, seconds_events = 0.0, seconds_outputs = 0.0;  // where they went
 };
