@@ -140,10 +140,10 @@ std::vector<AnalysisError> doubts_of(const Simulation& simulation) {
                         "do not trust this run; lower rel_tol, or try another integrator", "/simulate");
   }
   // Few are those of singular positions that the machine passes; steps around them bridge these.
-  const double imprecise = std::min(1.0, static_cast<double>(s.imprecise) / static_cast<double>(s.evaluations));
-  if (imprecise > tolerable) {
+  const auto imprecise = static_cast<double>(s.imprecise), all = static_cast<double>(s.evaluations);
+  if (imprecise > tolerable * all) {
     doubts.emplace_back("simulate",
-                        short_number(std::ceil(100.0 * imprecise), 3) +
+                        short_number(std::ceil(100.0 * std::min(1.0, imprecise / all)), 3) +
                             " % of the accelerations that were integrated have fewer than 6 digits: constraints nearly "
                             "depend on each other",
                         "at most " + short_number(100.0 * tolerable) + " %",

@@ -70,8 +70,12 @@ class Reader {
   void events(std::vector<EventMemory>& events) {
     const Value* section = root_.find("events");
     if (section == nullptr) return;
-    for (std::size_t k = 0; section->object() != nullptr && k < section->object()->size(); ++k) {
-      const auto& [name, value] = (*section->object())[k];
+    if (section->object() == nullptr) {
+      faults_.push_back(at("/events", fault("not-a-checkpoint", "\"events\" that is no object",
+                                            "a checkpoint of bramah simulate", remedy)));
+      return;
+    }
+    for (const auto& [name, value] : *section->object()) {
       EventMemory& event = events.emplace_back();
       event.name = name;
       double side = 0.0;

@@ -14,6 +14,41 @@ constexpr const char* oscillator = R"({
   "outputs": ["a,b.x", "a,b.x.rate"],
   "simulate": { "to_time": 1, "output_step": 0.5 } })";
 
+// A run that takes no step has integrated no accelerations, and none without digits.
+TEST_F(Hostile, RunThatAJumpStopsAtOnceIsNotDoubted) {
+  const auto scene = [](const char* to_time) {
+    return std::string(R"({ "bramah": 1, "libraries": ["mechanics", "signals"], "components": {
+      "u": { "type": "signals/table", "unit": "N", "times": [0, 1, 1, 2], "values": [0, 0, 3, 3] },
+      "m": { "type": "mechanics/mass", "mass": 2 },
+      "push": { "type": "mechanics/coordinate_force", "on": "m.x", "force": "u" } },
+    "simulate": { "integrator": "explicit", "output_step": 0.5,
+                  "events": { "jump": { "of": "u", "rises_above": 1, "stop": true } }, "to_time": )") +
+           to_time + " } }";
+  };
+  write("first.json", scene("1"));
+  write("second.json", scene("2"));
+  const Ended first = bramah("simulate first.json --quiet --out first");
+  ASSERT_EQ(first.code, 0) << first.err;
+  const Ended second = bramah("simulate second.json --quiet --out second --resume first/checkpoint.json");
+  EXPECT_EQ(second.code, 0);
+  EXPECT_EQ(second.err, "");
+}
+
+TEST_F(Hostile, CheckpointWithEventsThatAreNoneIsRefused) {
+  write("scene.json", R"({ "bramah": 1, "libraries": ["mechanics"], "components": {
+    "m": { "type": "mechanics/mass", "mass": 2, "velocity": 1 } },
+    "simulate": { "to_time": 1, "events": { "far": { "of": "m.x", "rises_above": 5, "stop": true } } } })");
+  ASSERT_EQ(bramah("simulate scene.json --quiet --out out").code, 0);
+  json checkpoint = json::parse(contents(folder_ / "out" / "checkpoint.json"));
+  for (const json& wrong : {json(5), json({{"far", 5}}), json({{"far", json::object()}})}) {
+    checkpoint["events"] = wrong;
+    write("wrong.json", checkpoint.dump());
+    const Ended run = bramah("simulate scene.json --set simulate.to_time=2 --resume wrong.json");
+    EXPECT_NE(run.code, 0) << wrong;
+    EXPECT_NE(run.err.find("/events"), std::string::npos) << run.err;
+  }
+}
+
 TEST_F(Hostile, NamesWithCommasAreQuotedInCsvFiles) {
   write("scene.json", oscillator);
   ASSERT_EQ(bramah("simulate scene.json --out out").code, 0);
