@@ -129,17 +129,43 @@ std::vector<std::string> multipliers(const System& system) {
   return names;
 }
 
-/// Time, side, x, v and z; older checkpoints do not have this place.
-void read_place(const System& system, const Value& from, State& state, Faults& faults) {
-  Reader reader(from);
+/// Members "x" and "z" of an open object; with a and zdot where `rates`.
+void write_variables(JsonWriter& json, const System& system, const State& state, bool rates) {
+  std::vector<double> numbers;
+  json.key("x").begin_object();
+  for (std::size_t i = 0; i < system.x.size(); ++i) {
+    numbers = {state.x[i], state.v[i]};
+    if (rates) numbers.push_back(state.a[i]);
+    json.key(system.x[i].name).values(numbers);
+  }
+  json.end_object().key("z").begin_object();
+  for (std::size_t i = 0; i < system.z.size(); ++i) {
+    numbers = {state.z[i]};
+    if (rates) numbers.push_back(state.zdot[i]);
+    json.key(system.z[i].name).values(numbers);
+  }
+  json.end_object();
+}
+
+/// Time, side and what `write_variables` writes.
+void read_variables(Reader& reader, const System& system, bool rates, State& state) {
   state.t = reader.number("time");
   state.side = reader.number("side") < 0.0 ? -1 : 1;
-  reader.named("x", names_of(system.x), 2, [&](std::size_t i, const std::vector<double>& numbers) {
+  reader.named("x", names_of(system.x), rates ? 3 : 2, [&](std::size_t i, const std::vector<double>& numbers) {
     state.x[i] = numbers[0];
     state.v[i] = numbers[1];
+    if (rates) state.a[i] = numbers[2];
   });
-  reader.named("z", names_of(system.z), 1,
-               [&](std::size_t i, const std::vector<double>& numbers) { state.z[i] = numbers[0]; });
+  reader.named("z", names_of(system.z), rates ? 2 : 1, [&](std::size_t i, const std::vector<double>& numbers) {
+    state.z[i] = numbers[0];
+    if (rates) state.zdot[i] = numbers[1];
+  });
+}
+
+/// Where the rows were chosen; older checkpoints do not have this place.
+void read_chosen_at(const System& system, const Value& from, State& state, Faults& faults) {
+  Reader reader(from);
+  read_variables(reader, system, false, state);
   for (Diagnostic& fault : reader.faults()) {
     fault.pointer = "/chosen_at" + fault.pointer;
     faults.push_back(std::move(fault));
@@ -154,13 +180,8 @@ std::string checkpoint_text(const System& system, const Checkpoint& checkpoint) 
   JsonWriter json;
   json.begin_object().member("bramah_checkpoint", version).member("time", state.t).member("side", state.side);
   json.member("integrator", checkpoint.integrator);
-  json.key("x").begin_object();
-  for (std::size_t i = 0; i < system.x.size(); ++i)
-    json.key(system.x[i].name).values(std::vector<double>{state.x[i], state.v[i], state.a[i]});
-  json.end_object().key("z").begin_object();
-  for (std::size_t i = 0; i < system.z.size(); ++i)
-    json.key(system.z[i].name).values(std::vector<double>{state.z[i], state.zdot[i]});
-  json.end_object().key("lambda").begin_object();
+  write_variables(json, system, state, true);
+  json.key("lambda").begin_object();
   const std::vector<std::string> names = multipliers(system);
   for (std::size_t i = 0; i < names.size(); ++i) json.key(names[i]).values(std::vector<double>{state.lambda[i]});
   json.end_object().key("held").begin_object();
@@ -174,12 +195,9 @@ std::string checkpoint_text(const System& system, const Checkpoint& checkpoint) 
   }
   json.end_object();
   const State& chosen = checkpoint.chosen_at;
-  json.key("chosen_at").begin_object().member("time", chosen.t).member("side", chosen.side).key("x").begin_object();
-  for (std::size_t i = 0; i < system.x.size(); ++i)
-    json.key(system.x[i].name).values(std::vector<double>{chosen.x[i], chosen.v[i]});
-  json.end_object().key("z").begin_object();
-  for (std::size_t i = 0; i < system.z.size(); ++i) json.key(system.z[i].name).values(std::vector<double>{chosen.z[i]});
-  json.end_object().end_object().end_object();
+  json.key("chosen_at").begin_object().member("time", chosen.t).member("side", chosen.side);
+  write_variables(json, system, chosen, false);
+  json.end_object().end_object();
   return json.take();
 }
 
@@ -195,19 +213,9 @@ Checkpoint read_checkpoint(const System& system, const Source& source) {
                                                              "\"bramah_checkpoint\": 1", "run the simulation anew")));
   }
   if (!reader.faults().empty()) throw SceneError(std::move(reader.faults()));
-  state.t = reader.number("time");
-  state.side = reader.number("side") < 0.0 ? -1 : 1;
+  read_variables(reader, system, true, state);
   const Value* integrator = root.find("integrator");
   if (integrator != nullptr && integrator->text() != nullptr) result.integrator = *integrator->text();
-  reader.named("x", names_of(system.x), 3, [&](std::size_t i, const std::vector<double>& numbers) {
-    state.x[i] = numbers[0];
-    state.v[i] = numbers[1];
-    state.a[i] = numbers[2];
-  });
-  reader.named("z", names_of(system.z), 2, [&](std::size_t i, const std::vector<double>& numbers) {
-    state.z[i] = numbers[0];
-    state.zdot[i] = numbers[1];
-  });
   reader.named("lambda", multipliers(system), 1,
                [&](std::size_t i, const std::vector<double>& numbers) { state.lambda[i] = numbers[0]; });
   const Value* held = root.find("held");
@@ -233,7 +241,7 @@ Checkpoint read_checkpoint(const System& system, const Source& source) {
   reader.events(result.events);
   apply_inputs(system, state);
   result.chosen_at = state;
-  if (const Value* chosen = root.find("chosen_at")) read_place(system, *chosen, result.chosen_at, reader.faults());
+  if (const Value* chosen = root.find("chosen_at")) read_chosen_at(system, *chosen, result.chosen_at, reader.faults());
   if (!reader.faults().empty()) throw SceneError(std::move(reader.faults()));
   return result;
 }

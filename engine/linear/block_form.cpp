@@ -27,7 +27,8 @@ constexpr double rounded_data = 1e-15;
 /// The place of the first row of the diagonal block of a quasi triangular matrix that row i belongs to.
 Index first_of_block(const MatrixXd& R, Index i) { return i > 0 && R(i, i - 1) != 0.0 ? i - 1 : i; }
 
-/// x with R x = b, R quasi triangular.
+/// x with R x = b, R quasi triangular. LAPACK's dtrsyl would lift diagonal entries below eps of the largest: slow parts
+/// beside fast ones have them.
 VectorXd solve(const MatrixXd& R, VectorXd b) {
   for (Index last = R.rows() - 1; last >= 0;) {
     const Index first = first_of_block(R, last), size = last - first + 1;

@@ -41,32 +41,6 @@ MatrixXd split(MatrixXd M, double tolerance, Index least, Index& nullity, double
   return ordered;
 }
 
-}  // namespace
-
-Index Staircase::zeros() const {
-  Index sum = 0;
-  for (const Index step : steps) sum += step;
-  return sum;
-}
-
-std::vector<int> Staircase::block_sizes() const {
-  if (steps.empty()) return {};
-  std::vector<int> sizes(static_cast<std::size_t>(steps.front()), 0);
-  for (const Index step : steps) {
-    for (Index k = 0; k < step; ++k) ++sizes[static_cast<std::size_t>(k)];
-  }
-  return sizes;
-}
-
-MatrixXd without_rounding(MatrixXd A, const VectorXd& rounding) {
-  for (Index i = 0; i < A.rows(); ++i) {
-    if (A.row(i).norm() <= rounding_margin * rounding(i)) A.row(i).setZero();
-  }
-  return A;
-}
-
-namespace {
-
 Staircase climb(const MatrixXd& A, const VectorXd& rounding, double tolerance, Index least) {
   Staircase result;
   const Index n = A.rows();
@@ -96,6 +70,28 @@ Staircase climb(const MatrixXd& A, const VectorXd& rounding, double tolerance, I
 }
 
 }  // namespace
+
+Index Staircase::zeros() const {
+  Index sum = 0;
+  for (const Index step : steps) sum += step;
+  return sum;
+}
+
+std::vector<int> Staircase::block_sizes() const {
+  if (steps.empty()) return {};
+  std::vector<int> sizes(static_cast<std::size_t>(steps.front()), 0);
+  for (const Index step : steps) {
+    for (Index k = 0; k < step; ++k) ++sizes[static_cast<std::size_t>(k)];
+  }
+  return sizes;
+}
+
+MatrixXd without_rounding(MatrixXd A, const VectorXd& rounding) {
+  for (Index i = 0; i < A.rows(); ++i) {
+    if (A.row(i).norm() <= rounding_margin * rounding(i)) A.row(i).setZero();
+  }
+  return A;
+}
 
 Staircase find_staircase(const MatrixXd& A, const VectorXd& rounding, double tolerance) {
   return climb(A, rounding, tolerance, 0);

@@ -44,8 +44,8 @@ class Kkt {
   [[nodiscard]] Index size() const { return size_; }
   [[nodiscard]] const std::vector<Index>& rows() const { return rows_; }
   [[nodiscard]] const SparsePlan& matrix() const { return plan_; }
-  /// Relative to the largest acceleration or multiplier, or to what terms that cancel would give: by how much the last refinement of the last solution still changed
-  /// it, where changes did not vanish.
+  /// By how much the last refinement of the last solution still changed it, relative to the largest acceleration,
+  /// multiplier or rate, or to what terms that cancel would give alone; 0 where the next change would be rounding.
   [[nodiscard]] double uncertainty() const { return uncertainty_; }
   /// How many solutions so far were uncertain by more than `few_digits`.
   [[nodiscard]] long imprecise() const { return imprecise_; }

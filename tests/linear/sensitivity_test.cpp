@@ -9,11 +9,13 @@
 #include "support/machine.hpp"
 #include "support/numbers.hpp"
 #include "support/reference.hpp"
+#include "support/scene_parts.hpp"
 
 namespace bramah::testing {
 namespace {
 
 using Complex = std::complex<double>;
+using support::exact;
 
 struct Point {
   explicit Point(const Machine& machine)
@@ -84,9 +86,7 @@ TEST(Sensitivity, FourBarFollowsTheReference) {
 std::vector<Complex> differences(const std::string& file, const std::string& name, double value, double step,
                                  const Spectrum& at) {
   const auto spectrum = [&](double shifted) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", shifted);
-    const Machine machine = load(file, {name + "=" + text});
+    const Machine machine = load(file, {name + "=" + exact(shifted)});
     return Point(machine).spectrum;
   };
   const double offsets[] = {1.0, 2.0, 3.0}, weights[] = {0.75, -0.15, 1.0 / 60.0};
@@ -166,13 +166,8 @@ TEST(Sensitivity, DefectiveEigenvaluesHaveADerivativeOfTheirMeanOnly) {
   for (const double m : {1.0, 0.25, 3e-3}) {
     for (const double k : {1.0, 700.0}) {
       const double c = 2.0 * std::sqrt(m * k);
-      const auto text = [](double value) {
-        char digits[40];
-        std::snprintf(digits, sizeof digits, "%.17g", value);
-        return std::string(digits);
-      };
       const Machine machine = load("tests/linear/critical_damping.json",
-                                   {"m.mass=" + text(m), "k.stiffness=" + text(k), "k.damping=" + text(c)});
+                                   {"m.mass=" + exact(m), "k.stiffness=" + exact(k), "k.damping=" + exact(c)});
       Point point(machine);
       SCOPED_TRACE(::testing::Message() << "m = " << m << ", k = " << k);
       ASSERT_EQ(point.spectrum.defective.size(), 1U);

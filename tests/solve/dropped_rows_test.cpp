@@ -9,22 +9,12 @@
 #include "io/read_scene.hpp"
 #include "solve/simulate.hpp"
 #include "support/machine.hpp"
+#include "support/methods.hpp"
 
 namespace bramah::testing {
 namespace {
 
-using Kind = SimulateOptions::Integrator;
-
-struct Method {
-  Kind kind;
-  const char* name;
-  double step;  // of the fixed-step method
-};
-constexpr Method methods[] = {{Kind::automatic, "auto", 0.0},
-                              {Kind::ida, "ida", 0.0},
-                              {Kind::explicit_one_step, "explicit", 0.0},
-                              {Kind::implicit_one_step, "implicit", 0.0},
-                              {Kind::generalized_alpha, "generalized_alpha", 1e-3}};
+using support::Method;
 
 /// A bar from `x` along the x axis, `length` long, by name.
 std::string bar(const std::string& name, double x, double length, const std::string& gravity) {
@@ -58,9 +48,7 @@ class SingularStart : public ::testing::TestWithParam<Method> {
   /// What the run from the start ends with; "" where it ends well.
   static std::string error(const std::string& scene) {
     const Compiled machine = compile(read_scene_text(scene, "singular.json"), registry());
-    SimulateOptions options = machine.options.simulate;
-    options.integrator = GetParam().kind;
-    options.step = GetParam().step;
+    const SimulateOptions options = support::with(machine.options.simulate, GetParam());
     try {
       simulate(machine.system, options, consistent_start(machine.system, machine.options, 0.0), {});
     } catch (const AnalysisError& e) {
@@ -69,8 +57,8 @@ class SingularStart : public ::testing::TestWithParam<Method> {
     return "";
   }
 };
-INSTANTIATE_TEST_SUITE_P(All, SingularStart, ::testing::ValuesIn(methods),
-                         [](const ::testing::TestParamInfo<Method>& method) { return std::string(method.param.name); });
+INSTANTIATE_TEST_SUITE_P(All, SingularStart, ::testing::ValuesIn(support::methods), support::name_of);
+INSTANTIATE_TEST_SUITE_P(Automatic, SingularStart, ::testing::Values(support::automatic), support::name_of);
 
 TEST_P(SingularStart, OfAFourBarInLineIsNamed) {
   EXPECT_THAT(error(in_line),

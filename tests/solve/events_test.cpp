@@ -12,31 +12,19 @@
 #include "solve/simulate.hpp"
 #include "solve/start.hpp"
 #include "support/machine.hpp"
+#include "support/methods.hpp"
 #include "support/numbers.hpp"
+#include "support/scene_parts.hpp"
 #include "system/analysis_error.hpp"
 #include "system/measure.hpp"
 
 namespace bramah {
 namespace {
 
-using Kind = SimulateOptions::Integrator;
+using support::exact;
+using support::Method;
+using support::methods;
 using testing::close;
-
-struct Method {
-  Kind kind;
-  const char* name;
-  double step;  // of the fixed-step method
-};
-constexpr Method methods[] = {{Kind::ida, "ida", 0.0},
-                              {Kind::explicit_one_step, "explicit", 0.0},
-                              {Kind::implicit_one_step, "implicit", 0.0},
-                              {Kind::generalized_alpha, "generalized_alpha", 1e-3}};
-
-std::string digits_of(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
-}
 
 /// A machine of components and the section "simulate".
 struct Scenario {
@@ -47,10 +35,7 @@ struct Scenario {
                                          "events.json"),
                          testing::registry())) {}
   [[nodiscard]] SimulateOptions with(const Method& method) const {
-    SimulateOptions options = compiled.options.simulate;
-    options.integrator = method.kind;
-    options.step = method.step;
-    return options;
+    return support::with(compiled.options.simulate, method);
   }
   [[nodiscard]] State start() const { return consistent_start(compiled.system, compiled.options, 0.0); }
   Compiled compiled;
@@ -90,7 +75,7 @@ class Recorder {
 };
 
 class Events : public ::testing::TestWithParam<Method> {};
-INSTANTIATE_TEST_SUITE_P(All, Events, ::testing::ValuesIn(methods), [](const auto& of) { return of.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, Events, ::testing::ValuesIn(methods), support::name_of);
 
 // ---- what is shown after events ------------------------------------------------------------------------------------
 
@@ -102,7 +87,7 @@ Scenario shuttle(double to_time) {
     "body": { "type": "mechanics/planar_body", "mass": 2, "inertia": 1 },
     "slot": { "type": "mechanics/planar_slot", "a": "ground", "b": "body" },
     "push": { "type": "mechanics/planar_force", "on": "body", "magnitude": "u", "direction": [0.6, 0.8] })",
-          R"("to_time": )" + digits_of(to_time) + R"(, "output_step": 0.37, "events": {
+          R"("to_time": )" + exact(to_time) + R"(, "output_step": 0.37, "events": {
     "forth": { "of": "body.x.rate", "rises_above": 3, "hold": { "u": -5 } },
     "back":  { "of": "body.x.rate", "falls_below": -3, "hold": { "u": 5 } } })"};
 }
@@ -116,7 +101,7 @@ void expect_shuttle(const Shown& shown, std::size_t row, double tolerance) {
   if (t > 1.0 && std::abs(t - nearest) < 1e-6) phase = (nearest + 2.0) / 4.0 - (after_event ? 0.0 : 1.0);
   const double sign = std::fmod(phase, 2.0) == 0.0 ? 1.0 : -1.0, s = t - 4.0 * phase;  // from the middle of the ramp
   const double v = sign * 1.5 * s, x = sign * 0.75 * s * s + (sign > 0.0 ? 0.0 : 6.0);
-  SCOPED_TRACE("t = " + digits_of(t) + (after_event ? " after" : ""));
+  SCOPED_TRACE("t = " + exact(t) + (after_event ? " after" : ""));
   const std::pair<const char*, double> expected[] = {{"body.x", x},
                                                      {"body.y", 0.0},
                                                      {"body.angle", 0.0},
@@ -176,14 +161,14 @@ void expect_the_rest(const System& system, const SimulateOptions& options, const
   ASSERT_GT(saved.size(), 5U);
   for (const auto& [checkpoint, rows] : saved) {
     if (checkpoint.state.t >= options.to_time) continue;
-    SCOPED_TRACE("from t = " + digits_of(checkpoint.state.t));
+    SCOPED_TRACE("from t = " + exact(checkpoint.state.t));
     Recorder rest(system);
     const Simulation again = resume(system, options, checkpoint, rest.observer);
     ASSERT_EQ(rest.shown.rows.size(), whole.shown.rows.size() - rows);
     for (std::size_t k = 0; k < rest.shown.rows.size(); ++k) {
       const Vector &found = rest.shown.rows[k], &expected = whole.shown.rows[rows + k];
       if (tolerance == 0.0) {
-        ASSERT_TRUE(same_bits(found, expected)) << "at t = " << digits_of(expected[0]);
+        ASSERT_TRUE(same_bits(found, expected)) << "at t = " << exact(expected[0]);
         continue;
       }
       for (std::size_t i = 0; i < found.size(); ++i)
@@ -256,14 +241,14 @@ TEST(EventMemory, OfAnOldCheckpointStartsAnew) {
 
 /// x = offset + amplitude cos(10 t), with `events` on the level `offset`.
 Scenario oscillator(double offset, double amplitude, double periods) {
-  return {R"("mass": { "type": "mechanics/mass", "mass": 1, "position": )" + digits_of(offset + amplitude) + R"( },
+  return {R"("mass": { "type": "mechanics/mass", "mass": 1, "position": )" + exact(offset + amplitude) + R"( },
     "spring": { "type": "mechanics/spring_damper", "to": "mass.x", "stiffness": 100, "free_length": )" +
-              digits_of(offset) + " }",
-          R"("to_time": )" + digits_of(periods * 0.2 * std::numbers::pi) + R"(, "output_step": 1, "events": {
+              exact(offset) + " }",
+          R"("to_time": )" + exact(periods * 0.2 * std::numbers::pi) + R"(, "output_step": 1, "events": {
     "falls": { "of": "mass.x", "falls_below": )" +
-              digits_of(offset) + R"(, "hold": { "none": 0 } },
+              exact(offset) + R"(, "hold": { "none": 0 } },
     "rises": { "of": "mass.x", "rises_above": )" +
-              digits_of(offset) + R"(, "hold": { "none": 0 } } })"};
+              exact(offset) + R"(, "hold": { "none": 0 } } })"};
 }
 
 std::pair<int, int> falls_and_rises(const Simulation& run) {
@@ -280,7 +265,7 @@ TEST_P(Events, ASmallMotionAboutALevelCrossesIt) {
   for (const auto& [offset, amplitude, resolved] :
        {Motion{0.0, 1.0, 1e-6}, Motion{1.0, 1.0, 1e-6}, Motion{1.0, 1e-6, 1e-4}, Motion{-300.0, 1e-3, 1e-4},
         Motion{1.0, 1e-9, 3e-2}}) {
-    SCOPED_TRACE("about " + digits_of(offset) + " by " + digits_of(amplitude));
+    SCOPED_TRACE("about " + exact(offset) + " by " + exact(amplitude));
     const Scenario scenario = oscillator(offset, amplitude, 5.0);
     SimulateOptions options = scenario.with(GetParam());
     const Simulation run = simulate(scenario.compiled.system, options, scenario.start(), {});
@@ -333,9 +318,9 @@ Scenario relay(double half_band) {
     "push": { "type": "mechanics/coordinate_force", "on": "mass.x", "force": "u" })",
           R"("to_time": 2, "output_step": 0.25, "events": {
     "up":   { "of": "mass.x.rate", "rises_above": )" +
-              digits_of(half_band) + R"(, "hold": { "u": -1 } },
+              exact(half_band) + R"(, "hold": { "u": -1 } },
     "down": { "of": "mass.x.rate", "falls_below": )" +
-              digits_of(-half_band) + R"(, "hold": { "u": 1 } } })"};
+              exact(-half_band) + R"(, "hold": { "u": 1 } } })"};
 }
 
 // Levels nearer to each other than any band: each event puts the other one in order.

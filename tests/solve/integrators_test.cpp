@@ -12,6 +12,7 @@
 #include "solve/start.hpp"
 #include "support/generators.hpp"
 #include "support/machine.hpp"
+#include "support/methods.hpp"
 #include "support/scene_parts.hpp"
 
 namespace bramah {
@@ -19,24 +20,12 @@ namespace {
 
 using Kind = SimulateOptions::Integrator;
 using support::compiled;
+using support::Method;
+using support::methods;
+using support::name_of;
+using support::with;
 using testing::load;
 using testing::Machine;
-
-struct Method {
-  Kind kind;
-  const char* name;
-  double step;  // of the fixed-step method
-};
-constexpr Method methods[] = {{Kind::ida, "ida", 0.0},
-                              {Kind::explicit_one_step, "explicit", 0.0},
-                              {Kind::implicit_one_step, "implicit", 0.0},
-                              {Kind::generalized_alpha, "generalized_alpha", 1e-3}};
-std::string name_of(const ::testing::TestParamInfo<Method>& info) { return info.param.name; }
-SimulateOptions with(SimulateOptions options, const Method& method) {
-  options.integrator = method.kind;
-  options.step = method.step;
-  return options;
-}
 
 class Integrators : public ::testing::TestWithParam<Method> {};
 INSTANTIATE_TEST_SUITE_P(All, Integrators, ::testing::ValuesIn(methods), name_of);

@@ -8,16 +8,13 @@
 #include "solve/equilibrium.hpp"
 #include "support/machine.hpp"
 #include "support/numbers.hpp"
+#include "support/scene_parts.hpp"
 #include "system/analysis_error.hpp"
 
 namespace bramah::testing {
 namespace {
 
-std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
-}
+using support::exact;
 
 /// A body under gravity, its length, mass and time times L, M, T; with a pin or without.
 Compiled body(double L, double M, double T, bool pinned) {
@@ -25,11 +22,11 @@ Compiled body(double L, double M, double T, bool pinned) {
       R"({ "bramah": 1, "libraries": ["mechanics"], "components": {
     "ground": { "type": "mechanics/ground" },
     "g": { "type": "mechanics/gravity", "acceleration": [0, )" +
-      number(-9.81 * L / (T * T)) + R"(, 0] },
+      exact(-9.81 * L / (T * T)) + R"(, 0] },
     "b": { "type": "mechanics/planar_body", "gravity": "g", "mass": )" +
-      number(3.0 * M) + R"(, "inertia": )" + number(0.25 * M * L * L) + R"(, "position": [)" + number(0.4 * L) + ", " +
-      number(-0.3 * L) + R"(], "angle": -0.6 })" +
-      (pinned ? R"(, "p": { "type": "mechanics/planar_revolute", "a": "b", "point_a": [)" + number(-0.5 * L) +
+      exact(3.0 * M) + R"(, "inertia": )" + exact(0.25 * M * L * L) + R"(, "position": [)" + exact(0.4 * L) + ", " +
+      exact(-0.3 * L) + R"(], "angle": -0.6 })" +
+      (pinned ? R"(, "p": { "type": "mechanics/planar_revolute", "a": "b", "point_a": [)" + exact(-0.5 * L) +
                     R"(, 0], "b": "ground" })"
               : "") +
       "} }";

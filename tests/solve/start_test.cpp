@@ -13,17 +13,14 @@
 #include "support/generators.hpp"
 #include "support/machine.hpp"
 #include "support/numbers.hpp"
+#include "support/scene_parts.hpp"
 
 namespace bramah::testing {
 namespace {
 
-constexpr double r = 0.5, l = 1.0;  // crank and rod of the slider crank
+using support::exact;
 
-std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
-}
+constexpr double r = 0.5, l = 1.0;  // crank and rod of the slider crank
 
 /// A slider crank, its crank and rod placed roughly, with `keys` of the scene; "start" and "hold" are among them; `more`
 /// components.
@@ -31,9 +28,9 @@ Compiled slider_crank(double crank, double rod, const std::string& keys, const s
   const std::string text = R"({ "bramah": 1, "libraries": ["mechanics"], "components": {
     "ground": { "type": "mechanics/ground" },
     "crank":  { "type": "mechanics/planar_body", "mass": 1, "inertia": 0.1, "position": [0.25, 0], "angle": )" +
-                           number(crank) + R"(},
+                           exact(crank) + R"(},
     "rod":    { "type": "mechanics/planar_body", "mass": 1, "inertia": 0.1, "position": [1, 0], "angle": )" +
-                           number(rod) + R"(},
+                           exact(rod) + R"(},
     "slide":  { "type": "mechanics/planar_body", "mass": 1, "inertia": 0.1, "position": [1.5, 0] },
     "O":      { "type": "mechanics/planar_revolute", "a": "ground", "b": "crank", "point_b": [-0.25, 0] },
     "A":      { "type": "mechanics/planar_revolute", "a": "crank", "point_a": [0.25, 0], "b": "rod",
@@ -64,7 +61,7 @@ std::optional<NearAssembly> near_assembly(const Compiled& machine) {
   return find_near_assembly(machine.system, state, start, held);
 }
 
-std::string start_at(const Place& place) { return R"("start": { "slide.x": )" + number(place.slide) + "}"; }
+std::string start_at(const Place& place) { return R"("start": { "slide.x": )" + exact(place.slide) + "}"; }
 
 /// A cart with one rate of its own given, seen by a length from (-1, 0) to its point (0, 1).
 TEST(Start, AMeasuredLengthHasNoSayInTheRates) {
@@ -225,8 +222,8 @@ TEST(Start, FindsTheOtherAssemblyOfAFourBar) {
   const double at_pin = std::acos((coupler * coupler + reach * reach - rocker * rocker) / (2.0 * coupler * reach));
   const double at_bearing = std::asin(coupler * std::sin(at_pin) / rocker);
   const auto body = [](double x, double y, double angle) {
-    return R"({ "type": "mechanics/planar_body", "mass": 1, "inertia": 0.1, "position": [)" + number(x) + "," +
-           number(y) + R"(], "angle": )" + number(angle) + "}";
+    return R"({ "type": "mechanics/planar_body", "mass": 1, "inertia": 0.1, "position": [)" + exact(x) + "," +
+           exact(y) + R"(], "angle": )" + exact(angle) + "}";
   };
   const double knee_x = coupler * std::cos(slope + at_pin), knee_y = 1.0 + coupler * std::sin(slope + at_pin);
   const std::string text =
@@ -239,7 +236,7 @@ TEST(Start, FindsTheOtherAssemblyOfAFourBar) {
     "A": { "type": "mechanics/planar_revolute", "a": "crank", "point_a": [0.5, 0], "b": "coupler", "point_b": [-1, 0] },
     "B": { "type": "mechanics/planar_revolute", "a": "coupler", "point_a": [1, 0], "b": "rocker", "point_b": [-0.75, 0] },
     "C": { "type": "mechanics/planar_revolute", "a": "ground", "point_a": [)" +
-      number(base) + R"(, 0], "b": "rocker", "point_b": [0.75, 0] } }, "hold": ["crank.angle"] })";
+      exact(base) + R"(, 0], "b": "rocker", "point_b": [0.75, 0] } }, "hold": ["crank.angle"] })";
   const Compiled machine = compile(read_scene_text(text, "four_bar.json"), registry());
   // Both centres lie half as far from the line as the knee, on either side of it.
   const double centre = coupler * std::sin(at_pin);
@@ -349,7 +346,7 @@ TEST(Start, GivenRatesThatContradictEachOtherAreChangedAsLittleAsPossible) {
 
   // What is held is not changed at all.
   const Compiled machine = slider_crank(
-      place.crank, place.rod, R"("hold": ["slide.x"], "start": { "slide.x": )" + number(place.slide) + ", " + rates);
+      place.crank, place.rod, R"("hold": ["slide.x"], "start": { "slide.x": )" + exact(place.slide) + ", " + rates);
   const State held = consistent_start(machine.system, machine.options, 0.0);
   EXPECT_EQ(rate(machine, held, "slide.x"), -2.0);
   EXPECT_TRUE(close(rate(machine, held, "crank.angle"),

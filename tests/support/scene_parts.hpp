@@ -1,6 +1,7 @@
 // What scenes made in code are put together from.
 #pragma once
 
+#include <cstdio>
 #include <initializer_list>
 #include <string>
 #include <utility>
@@ -8,6 +9,13 @@
 #include "system/scene.hpp"
 
 namespace bramah::support {
+
+/// All digits of a double.
+inline std::string exact(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
 
 inline std::string numbered(const char* name, int i) { return name + std::to_string(i); }
 
