@@ -46,6 +46,7 @@ constexpr auto kTopLevel = std::to_array<TopLevel>({
     {"start", Shape::object},
     {"hold", Shape::texts},
     {"outputs", Shape::texts},
+    {"assembly", Shape::object},
     {"equilibrium", Shape::object},
     {"simulate", Shape::object},
     {"linearize", Shape::object},

@@ -43,6 +43,7 @@ class NearestPoint {
     lu_.analyze({size_, size_, plan_.start().data(), plan_.row().data(), plan_.values().data()});
     rhs_.resize(static_cast<std::size_t>(size_));
   }
+  [[nodiscard]] const std::vector<Index>& rows() const { return rows_; }
   /// The correction d (n), or an empty span where the matrix cannot be factored.
   std::span<const double> solve(const Blocks& blocks, const Vector& residual) {
     const double weights[] = {1.0, -regularization};
@@ -106,6 +107,16 @@ std::string open_rows(const System& system, const Vector& c, Index most) {
   return (count == 0 ? "the constraint " : "the constraints ") + first.name + others +
          (count == 0 ? " stays" : " stay") + " open by " + (count == 0 ? "" : "up to ") + with_unit(gap, first.unit);
 }
+
+/// What rounding of positions is relative to.
+double position_scale(const State& state) {
+  double scale = 1.0;
+  for (const double x : state.x) scale = std::max(scale, std::abs(x));
+  return scale;
+}
+
+/// What Newton's method may leave of a row.
+double closed(const State& state) { return 1e3 * position_tolerance * position_scale(state); }
 
 /// What rounding of rates is relative to.
 double rate_scale(const State& state) {
@@ -174,8 +185,8 @@ void look_for_contradiction(const System& system, State state, const Vector& sta
                       "/components/" + joint);
 }
 
-/// The correction of v, repeated until it no longer helps; the largest |r| that is left. Linear in v: this is rounding or
-/// a contradiction.
+/// The correction of v, repeated until it no longer helps; the largest |r| that is left of the rows that shall close. Linear
+/// in v: this is rounding or a contradiction.
 double close_velocities(const System& system, State& state, NearestPoint& nearest, Blocks& blocks) {
   const Request request = Request{}.rows("r").blocks({BRAMAH_R_V});
   const double scale = rate_scale(state);
@@ -186,7 +197,7 @@ double close_velocities(const System& system, State& state, NearestPoint& neares
       throw AnalysisError("assembly", outcome.message, "constraints that can be evaluated at the start values",
                           "check the start values", place_of(system, outcome));
     }
-    const double residual = size_of(blocks.r);
+    const double residual = size_of(blocks.r, nearest.rows());
     if (residual <= 1e-15 * scale || residual >= 0.5 * before || iteration == most_iterations) return residual;
     before = residual;
     const std::span<const double> step = nearest.solve(blocks, blocks.r);
@@ -254,8 +265,7 @@ bool close_positions(const System& system, State& state, std::span<const Index> 
   };
   evaluate();
   double residual = size_of(blocks.c, rows);
-  double scale = 1.0;
-  for (const double x : state.x) scale = std::max(scale, std::abs(x));
+  const double scale = position_scale(state);
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     if (residual <= position_tolerance * scale) return true;
     const std::span<const double> step = nearest.solve(blocks, blocks.c);
@@ -276,16 +286,39 @@ bool close_positions(const System& system, State& state, std::span<const Index> 
     }
     residual = size_of(blocks.c, rows);
   }
-  return residual <= 1e3 * position_tolerance * scale;
+  return residual <= closed(state);
 }
 
 namespace {
+
+bool within_tolerance(const System& system, const Vector& c) {
+  for (Index i = 0; i < system.m(); ++i) {
+    if (std::abs(c[static_cast<std::size_t>(i)]) > system.assembly_tolerance_of(system.constraint(i))) return false;
+  }
+  return true;
+}
+
+/// Joints that repeat each other but for rounding of their data. `state` is where the squares of what stays open are least;
+/// from there the independent rows close. False, and `state` as it was, where more stays open than is tolerated.
+bool leave_rounding(const System& system, State& state, std::span<const Index> fixed, std::span<const Index> given,
+                    Blocks& blocks) {
+  if (!within_tolerance(system, blocks.c)) return false;
+  const Vector least_squares = state.x;
+  const Partition partition = choose_partition(system, state);
+  const std::span<const Index> independent(partition.rows.data(), static_cast<std::size_t>(partition.holonomic));
+  if (close_positions(system, state, independent, fixed, blocks, given) && within_tolerance(system, blocks.c))
+    return true;
+  state.x = least_squares;
+  return false;
+}
 
 /// Where `given` names coordinates, all others follow these.
 void assemble(const System& system, State& state, std::span<const Index> fixed, std::span<const Index> given) {
   const Vector start = state.x;
   Blocks blocks(system);
-  if (close_positions(system, state, shifted(system.m(), 0), fixed, blocks, given)) return;
+  if (close_positions(system, state, shifted(system.m(), 0), fixed, blocks, given) ||
+      leave_rounding(system, state, fixed, given, blocks))
+    return;
   const Index row = worst(blocks.c);
   const Row& open = system.constraint(row);
   const std::string gap = open_rows(system, blocks.c, row);
@@ -340,12 +373,28 @@ void assemble_start_positions(const System& system, State& state, std::span<cons
 
 namespace {
 
+/// Rows that repeat each other but for rounding of their data ask for rates that differ by as much of the motion.
+bool rates_within_tolerance(const System& system, const State& state, const Vector& r) {
+  double speed = 0.0;  // nominals per second
+  for (std::size_t i = 0; i < system.x.size(); ++i) speed = std::max(speed, std::abs(state.v[i]) / system.x[i].nominal);
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    const Row& row = system.constraint(static_cast<Index>(i));
+    if (std::abs(r[i]) > speed * system.assembly_tolerance_of(row)) return false;
+  }
+  return true;
+}
+
 /// Where rates are `given` and not fixed, they are changed as little as possible.
 void assemble_rates(const System& system, State& state, std::span<const Index> fixed, std::span<const Index> given,
                     Blocks& blocks) {
   const std::vector<Index> rows = shifted(system.m() + system.l(), 0);
   NearestPoint nearest(system, rows, BRAMAH_R_V, fixed, given);
   if (close_velocities(system, state, nearest, blocks) <= velocity_tolerance * rate_scale(state)) return;
+  if (rates_within_tolerance(system, state, blocks.r)) {
+    NearestPoint of_independent(system, choose_partition(system, state).rows, BRAMAH_R_V, fixed, given);
+    static_cast<void>(close_velocities(system, state, of_independent, blocks));
+    return;
+  }
   const Index row = worst(blocks.r);
   const Row& moving = system.constraint(row);
   const std::string rate = "the constraint " + moving.name + " opens at a rate of " +
@@ -373,6 +422,17 @@ void assemble_start_velocities(const System& system, State& state, std::span<con
   Blocks blocks(system);
   if (follow(system, state, fixed, given, shifted(system.m() + system.l(), 0), blocks)) return;
   assemble_rates(system, state, fixed, given, blocks);
+}
+
+bool leaves_rounding(const State& state, const Vector& c) { return size_of(c) > closed(state); }
+
+void close_independent_rows(const System& system, State& state, const Partition& partition, Blocks& blocks) {
+  if (partition.rows.empty()) return;
+  const std::span<const Index> holonomic(partition.rows.data(), static_cast<std::size_t>(partition.holonomic));
+  if (!close_positions(system, state, holonomic, {}, blocks)) assemble_positions(system, state);
+  NearestPoint nearest(system, partition.rows, BRAMAH_R_V, {});
+  if (close_velocities(system, state, nearest, blocks) > velocity_tolerance * rate_scale(state))
+    assemble_velocities(system, state);
 }
 
 Violation constraint_violation(const System& system, const State& state, Blocks& blocks) {

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "solve/partition.hpp"
 #include "system/blocks.hpp"
 #include "system/system.hpp"
 
@@ -30,6 +31,14 @@ void assemble_velocities(const System& system, State& state, std::span<const Ind
 /// without mass have no say. Throws AnalysisError.
 void assemble_start_velocities(const System& system, State& state, std::span<const Index> fixed,
                                std::span<const Index> given);
+
+/// Whether rows c at an assembled state are open by more than their own rounding: joints that repeat each other but for the
+/// rounding of their data, and System::assembly_tolerance has let pass.
+bool leaves_rounding(const State& state, const Vector& c);
+
+/// Moves x, then v, to the nearest where the independent rows of `partition` close, the others as far as these imply them.
+/// Throws AnalysisError.
+void close_independent_rows(const System& system, State& state, const Partition& partition, Blocks& blocks);
 
 /// The largest |c| and |r| over their rows, with the row: how far a state is from the constraints.
 struct Violation {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "solve/assemble.hpp"
 #include "system/message.hpp"
 
 namespace bramah {
@@ -75,6 +76,13 @@ Balance::Balance(const System& system, const EquilibriumOptions& options, State&
   unknowns_.each(system_, state_, [&](Index column, const Variable* variable, double&) {
     if (variable != nullptr) scale_[static_cast<std::size_t>(column)] = variable->nominal;
   });
+  take_assembly();
+}
+
+/// Rows that repeat each other and disagree by rounding cannot all be closed better than they are at the assembled start.
+void Balance::take_assembly() {
+  rounded_ = system_.m() > 0 && blocks_.evaluate(system_, state_, Request{}.rows("c")).ok() &&
+             leaves_rounding(state_, blocks_.c);
 }
 
 bool Balance::evaluate(bool with_matrix) {
@@ -113,6 +121,7 @@ void Balance::take_sizes() {
     rounding_[row] += std::abs(entry) * value[column];
     if (column >= first) noise_[row] += std::abs(entry) * largest;
   });
+  const std::size_t balances = system_.x.size() + system_.z.size();
   for (std::size_t i = 0; i < rounding_.size(); ++i) {
     rounding_[i] = rounding_terms * epsilon * (rounding_[i] + terms_[i]);
     const double coefficient = matrix_.row_scale()[i] > 0.0 ? 1.0 / matrix_.row_scale()[i] : 0.0;
@@ -120,8 +129,11 @@ void Balance::take_sizes() {
     row_size_[i] = std::max({coefficient, terms_[i], noise_[i] / options_.tolerance});
     if (row_size_[i] > 0.0) continue;
     // Without terms and coefficients: a balance is zero then, a constraint may stay open.
-    const std::size_t balances = system_.x.size() + system_.z.size();
     row_size_[i] = i < balances ? 1.0 : system_.holonomic[i - balances].nominal;
+  }
+  for (std::size_t i = balances; rounded_ && i < row_size_.size(); ++i) {
+    const double tolerated = system_.assembly_tolerance_of(system_.holonomic[i - balances]);
+    row_size_[i] = std::max(row_size_[i], tolerated / options_.tolerance);
   }
 }
 
@@ -138,7 +150,8 @@ double Balance::size(Index* where) const {
 }
 
 void Balance::solve() {
-  matrix_.factor();
+  matrix_.factor(rounded_ ? std::max(sparse::RankLuOptions{}.rank_tolerance, system_.rank_tolerance())
+                          : sparse::RankLuOptions{}.rank_tolerance);
   matrix_.solve(residual_, step_);
 }
 

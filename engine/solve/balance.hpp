@@ -80,6 +80,7 @@ class Balance {
   class Terms;
   void take_rows(const Blocks& from);
   void take_sizes();
+  void take_assembly();
   [[nodiscard]] bool improves(const State& origin, double before, double factor);
   [[nodiscard]] Index unresisted_load() const;
 
@@ -92,8 +93,9 @@ class Balance {
   // By row: the residual, the sum of the sizes of the terms that components add, what rounding of the unknowns is worth, the
   // same where multipliers have the rounding of the largest, and the size that the residual is held against.
   Vector residual_, terms_, rounding_, noise_, row_size_;
-  Vector scale_, step_;  // by unknown: its size, the step in sizes
-  Vector nominal_;       // (n)
+  Vector scale_, step_;   // by unknown: its size, the step in sizes
+  Vector nominal_;        // (n)
+  bool rounded_ = false;  // rows that repeat each other disagree, by less than the tolerance of the assembly
   Outcome outcome_;
   int iterations_ = 0;
 };

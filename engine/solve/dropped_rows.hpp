@@ -15,6 +15,7 @@ class DroppedRows {
 
   /// The rows that are solved for, of [c; b].
   [[nodiscard]] const std::vector<Index>& kept() const { return partition_.rows; }
+  [[nodiscard]] const Partition& partition() const { return partition_; }
 
   /// `blocks`: c and r at `state`. Throws AnalysisError where a row that was left out is open by more than its tolerance.
   void look(const State& state, Blocks& blocks);

@@ -219,6 +219,7 @@ Partition choose_partition(const System& system, const State& state, const Presc
     for (const Index i : prescribed.independent)
       holonomic_class[static_cast<std::size_t>(i)] = nonholonomic_class[static_cast<std::size_t>(i)] = 1;
     sparse::RankLuOptions options;
+    options.rank_tolerance = std::max(options.rank_tolerance, system.rank_tolerance());
     options.row_class = holonomic_class;
     options.late_row_class = nonholonomic_class;
     factor(lu, D.view(), m, options);

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string_view>
+#include <utility>
 
 #include "system/analysis_error.hpp"
 #include "system/message.hpp"
@@ -42,10 +45,18 @@ std::vector<double> softness_of(const System& system, const Partition& partition
   const double one = 1.0;
   mass.fill(blocks, {&one, 1});
   D.fill(blocks, {&one, 1});
+  // Euler parameters share the inertia of their body: along their norm it is zero or rounding, in any orientation.
+  std::map<std::pair<Index, std::string_view>, double> inertias;
+  const auto inertia_of = [&](Index j) -> double& {
+    return inertias[{system.x[at(j)].component, system.x[at(j)].unit}];
+  };
   for (Index j = 0; j < n; ++j) {
-    double inertia = 0.0;
+    double& inertia = inertia_of(j);
     for (Index e = mass.start()[at(j)]; e < mass.start()[at(j) + 1]; ++e)
       inertia = std::max(inertia, std::abs(mass.values()[at(e)]));
+  }
+  for (Index j = 0; j < n; ++j) {
+    const double inertia = inertia_of(j);
     if (inertia == 0.0) continue;  // moved by its constraints alone
     for (Index e = D.start()[at(j)]; e < D.start()[at(j) + 1]; ++e)
       result[at(D.row()[at(e)])] += softness * D.values()[at(e)] * D.values()[at(e)] / inertia;

@@ -27,9 +27,9 @@ void ScaledMatrix::scale(std::span<const double> sizes) {
   each_entry([&](std::size_t row, std::size_t, double) { scaled_[e++] *= row_scale_[row]; });
 }
 
-void ScaledMatrix::factor() {
+void ScaledMatrix::factor(double rank_tolerance) {
   if (order_.empty()) order_ = sparse::fill_reducing_order(view());  // the pattern stays
-  lu_.factor(view(), {.order = order_});
+  lu_.factor(view(), {.rank_tolerance = rank_tolerance, .order = order_});
 }
 
 void ScaledMatrix::solve(std::span<const double> residual, std::span<double> step) {

@@ -21,7 +21,8 @@ class ScaledMatrix {
   void fill(const Blocks& blocks, std::span<const double> weights);
   /// Scales what `fill` took; `sizes` (columns): of the unknowns.
   void scale(std::span<const double> sizes);
-  void factor();
+  /// `rank_tolerance`: relative to a scaled column.
+  void factor(double rank_tolerance = sparse::RankLuOptions{}.rank_tolerance);
   /// Solves A step = -residual after factor: `residual` (rows) in SI, `step` (columns) in sizes of the unknowns; zero at
   /// columns that depend on others.
   void solve(std::span<const double> residual, std::span<double> step);

@@ -208,10 +208,7 @@ void Run::note_step(double step) {
   dropped_.look(state_, blocks_);
 }
 
-void Run::project() {
-  assemble_positions(system_, state_);
-  assemble_velocities(system_, state_);
-}
+void Run::project() { close_independent_rows(system_, state_, dropped_.partition(), blocks_); }
 
 /// Puts the state of an event back onto the constraints, from which interpolation has taken it.
 void Run::settle(const Events::Hit& hit) {

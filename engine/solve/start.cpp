@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "solve/assemble.hpp"
 #include "solve/kkt.hpp"
@@ -64,6 +65,30 @@ StartNote note_on(const System& system, const std::vector<Index>& changed, const
   return note;
 }
 
+/// Joints that repeat each other and disagree by what System::assembly_tolerance lets pass.
+std::optional<StartNote> note_on_rounding(const System& system, const State& state) {
+  Blocks blocks(system);
+  if (system.m() == 0 || !blocks.evaluate(system, state, Request{}.rows("c")).ok()) return std::nullopt;
+  if (!leaves_rounding(state, blocks.c)) return std::nullopt;
+  const auto largest =
+      std::max_element(blocks.c.begin(), blocks.c.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+  const Row& open = system.constraint(largest - blocks.c.begin());
+  const std::vector<RedundantSet> sets = describe_redundancy(system, state, choose_partition(system, state));
+  const auto set = std::find_if(sets.begin(), sets.end(), [&](const RedundantSet& s) {
+    return std::binary_search(s.components.begin(), s.components.end(), open.component);
+  });
+  StartNote note{"rounded data", {}, "", ""};
+  note.names.push_back(open.name);
+  note.found = (set == sets.end() ? system.component_name(open.component) : set->joints) +
+               " repeat each other and disagree by a rounding: when the others close, " + open.name +
+               " stays open by " + digits(std::abs(*largest)) + (open.unit == "1" ? "" : " " + open.unit);
+  note.remedy =
+      "give the points and axes with more digits, or choose by \"assembly\": {\"tolerance\": ...} what may "
+      "stay open, now " +
+      digits(system.assembly_tolerance) + " m";
+  return note;
+}
+
 std::vector<Index> changed_rates(const System& system, const State& state) {
   std::vector<Index> changed = given_rates(system);
   std::erase_if(changed, [&](Index index) {
@@ -105,6 +130,7 @@ std::vector<StartNote> start_notes(const System& system, const Options& options,
   std::vector<StartNote> notes;
   if (const auto other = find_near_assembly(system, state, start, options.equilibrium.hold_x))
     notes.push_back(note_on(system, *other, !options.equilibrium.hold_x.empty()));
+  if (const auto rounding = note_on_rounding(system, state)) notes.push_back(*rounding);
   if (equilibrium) return notes;
   if (const std::vector<Index> changed = changed_rates(system, state); !changed.empty())
     notes.push_back(note_on(system, changed, state));

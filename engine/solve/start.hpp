@@ -23,7 +23,7 @@ State reference_state(const System& system, const Options& options, bool equilib
 
 /// A start that is sound, and perhaps not the one that is meant.
 struct StartNote {
-  std::string kind;                // "near assembly" or "rate changed"
+  std::string kind;                // "near assembly", "rounded data" or "rate changed"
   std::vector<std::string> names;  // of the coordinates concerned
   std::string found, remedy;
 };

@@ -84,9 +84,22 @@ Compiled Compiler::run() {
   check_structure();
   stop_if_faulty();
   system().scales = scales_of(system());
+  set_assembly_tolerance();
   keep_origins();
   system().registry = registry_;
   return std::move(compiled_);
+}
+
+void Compiler::set_assembly_tolerance() {
+  constexpr double nine_digits = 1e-8, most = 1e-3;  // of the machine's length
+  const double given = compiled_.options.assembly.tolerance, length = system().scales.length;
+  if (given > most * length) {
+    faults_.add("out-of-range", "/assembly/tolerance", "\"tolerance\" is " + with_unit(given, "m"),
+                "at most " + with_unit(most * length, "m") + ", a thousandth of the machine's length",
+                "correct the points and axes of the joints instead");
+    stop_if_faulty();
+  }
+  system().assembly_tolerance = given > 0.0 ? given : nine_digits * length;
 }
 
 void Compiler::stop_if_faulty() {

@@ -59,6 +59,11 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
   }
   reader.outputs(root, options.outputs);
 
+  reader.section(root, "assembly", {"tolerance"},
+                 [&](const std::string&, const Value& value, const std::string& where) {
+                   reader.number(value, where, "m", 0.0, options.assembly.tolerance, true);
+                 });
+
   EquilibriumOptions& equilibrium = options.equilibrium;
   reader.section(root, "equilibrium", {"tolerance", "max_iterations", "stability"},
                  [&](const std::string& key, const Value& value, const std::string& where) {

@@ -52,6 +52,7 @@ class Compiler {
 
  private:
   System& system() { return compiled_.system; }
+  void set_assembly_tolerance();
   void stop_if_faulty();
   void load_libraries();
   void read_components();

@@ -19,6 +19,10 @@ struct Measured {
   std::string name, unit;
 };
 
+struct AssemblyOptions {
+  double tolerance = 0.0;  // m, by which joints that repeat each other may disagree; 0: what nine digits leave
+};
+
 struct EquilibriumOptions {
   std::vector<Index> hold_x, hold_z;  // kept at their start values
   double tolerance = 1e-12;           // residual relative to the largest term of each row
@@ -128,6 +132,7 @@ struct VaryOptions {
 };
 
 struct Options {
+  AssemblyOptions assembly;
   EquilibriumOptions equilibrium;
   SimulateOptions simulate;
   LinearizeOptions linearize;

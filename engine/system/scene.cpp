@@ -67,8 +67,9 @@ Value value_from(std::string_view text) {
   return std::string(text);
 }
 
-constexpr auto kSections = std::to_array<std::string_view>(
-    {"constants", "start", "simulate", "linearize", "equilibrium", "study", "sweep", "vary", "modes", "compare"});
+constexpr auto kSections =
+    std::to_array<std::string_view>({"constants", "start", "assembly", "simulate", "linearize", "equilibrium", "study",
+                                     "sweep", "vary", "modes", "compare"});
 
 bool is_section(const Scene& scene, std::string_view word) {
   return std::find(kSections.begin(), kSections.end(), word) != kSections.end() || scene.root.find(word) != nullptr;

@@ -31,6 +31,10 @@ const Row& System::constraint(Index i) const {
   return i < m() ? holonomic[static_cast<std::size_t>(i)] : nonholonomic[static_cast<std::size_t>(i - m())];
 }
 
+double System::assembly_tolerance_of(const Row& row) const {
+  return row.unit == "m" ? assembly_tolerance : rank_tolerance() * row.nominal;
+}
+
 std::string System::multiplier_name(Index i) const {
   const std::string& name = constraint(i).name;
   const std::size_t dot = name.find('.');

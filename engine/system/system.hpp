@@ -147,6 +147,7 @@ class System {
   std::vector<Group> groups;
   Vector x_constants, z_constants;  // what ports without a variable read
   Scales scales;
+  double assembly_tolerance = 0.0;           // m, by which joints that repeat each other may disagree
   std::shared_ptr<const Registry> registry;  // keeps the libraries' files known for messages
 
   [[nodiscard]] Index n() const { return static_cast<Index>(x.size()); }
@@ -165,6 +166,11 @@ class System {
   /// Unit of the force that it gives: N for a row in m, N.m for rad, else "J/" and the row's unit.
   [[nodiscard]] std::string multiplier_unit(Index i) const;
   [[nodiscard]] const std::string& component_name(Index component) const;
+
+  /// By how much a row may stay open where it repeats others, in its unit: what rounding of the scene's numbers leaves.
+  [[nodiscard]] double assembly_tolerance_of(const Row& row) const;
+  /// Of a rank, relative to the row: rows that others nearly imply, but for rounding of the scene's numbers, repeat them.
+  [[nodiscard]] double rank_tolerance() const { return assembly_tolerance / scales.length; }
 
   /// Index of a variable by name, or -1.
   [[nodiscard]] Index find_x(std::string_view name) const;

@@ -248,7 +248,7 @@ TEST(Scenes, EveryKeyIsDocumented) {
       R"("bramah": 1, "libraries": ["hydraulics"], "components": { "V": { "type": "hydraulics/volume" },
     "h": { "type": "hydraulics/hose", "volume": "V", "V_h": 1, "B_h": 1, "B_oil": 1 } })";
   check("{ " + body + ", \"no_such_key\": 1 }");
-  for (const char* section : {"equilibrium", "simulate", "linearize", "compare", "study", "sweep", "vary"}) {
+  for (const char* section : {"assembly", "equilibrium", "simulate", "linearize", "compare", "study", "sweep", "vary"}) {
     check("{ " + body + ", \"" + section + "\": { \"no_such_key\": 1 } }");
   }
 }

@@ -530,7 +530,7 @@ TEST(Render, ShowsOneBlockForEachFault) {
         "scenes/bad.json:2:3: error: unknown key \"componets\" of the scene   [unknown-key]\n"
         "  at        /componets\n"
         "  expected  one of: \"bramah\", \"title\", \"description\", \"libraries\", \"constants\", \"components\", "
-        "\"start\", \"hold\", \"outputs\", \"equilibrium\", \"simulate\", \"linearize\", \"modes\", \"study\", \"compare\", \"sweep\", \"vary\"\n"
+        "\"start\", \"hold\", \"outputs\", \"assembly\", \"equilibrium\", \"simulate\", \"linearize\", \"modes\", \"study\", \"compare\", \"sweep\", \"vary\"\n"
         "  to do     did you mean \"components\"?\n"
         "scenes/bad.json:3:11: error: \"hold\" is number 3   [wrong-kind]\n"
         "  at        /hold\n"

@@ -142,7 +142,7 @@ TEST(Setting, WorksOnAnEmptyScene) {
   const Diagnostic fault = refusal(Scene{}, "V2.p=3");
   EXPECT_EQ(
       fault.expected,
-      "a section (\"constants\", \"start\", \"simulate\", \"linearize\", \"equilibrium\", \"study\", \"sweep\", \"vary\", \"modes\", \"compare\")");
+      "a section (\"constants\", \"start\", \"assembly\", \"simulate\", \"linearize\", \"equilibrium\", \"study\", \"sweep\", \"vary\", \"modes\", \"compare\")");
 }
 
 TEST(Setting, LeavesUnknownParametersToCompile) {
