@@ -208,7 +208,7 @@ double close_velocities(const System& system, State& state, NearestPoint& neares
 /// Coordinates of components that have mass at `state`: of a body all, although its Euler parameters have no mass along
 /// their norm. The others, like a length that is only measured, have no say in the start.
 std::vector<Index> with_mass(const System& system, const State& state, Blocks& blocks) {
-  const std::vector<Index> all = shifted(system.n(), 0);
+  std::vector<Index> all = shifted(system.n(), 0);
   const Term terms[] = {{BRAMAH_F_A, all, all, false, 0}};
   SparsePlan mass(system, system.n(), system.n(), terms);
   if (!blocks.evaluate(system, state, Request{}.blocks({BRAMAH_F_A})).ok()) return all;

@@ -4,7 +4,10 @@
 // structures the rank of the constraints drops for this position only. What an integrator leaves out there opens.
 #pragma once
 
+#include <optional>
+
 #include "solve/partition.hpp"
+#include "system/analysis_error.hpp"
 
 namespace bramah {
 
@@ -17,16 +20,23 @@ class DroppedRows {
   [[nodiscard]] const std::vector<Index>& kept() const { return partition_.rows; }
   [[nodiscard]] const Partition& partition() const { return partition_; }
 
-  /// `blocks`: c and r at `state`. Throws AnalysisError where a row that was left out is open by more than its tolerance.
-  void look(const State& state, Blocks& blocks);
+  /// Whether rows were left out, so that there is something to watch.
+  [[nodiscard]] bool any() const { return !partition_.redundant.empty(); }
+  /// Why the rows cannot be left out any longer where one is open by more than its tolerance at `state`; `blocks` is
+  /// workspace.
+  [[nodiscard]] std::optional<AnalysisError> look(const State& state, Blocks& blocks);
+  /// Whether the motion from the start to `state` keeps the rows that were left out but for what they would have curved it:
+  /// it then is one along a branch. Away from all branches rows open at |D' dx v|; so do those of a locked structure.
+  [[nodiscard]] bool along_branch(const State& state, Blocks& blocks);
 
  private:
-  void take_sizes(const State& state, Blocks& blocks);
-  [[noreturn]] void refuse(const State& state, const RedundantRow& dropped, double open, bool rate) const;
+  [[nodiscard]] Vector sizes(const State& state, Blocks& blocks);
+  [[nodiscard]] AnalysisError error(const State& state, const RedundantRow& dropped, double open, bool rate) const;
 
   const System& system_;
   Partition partition_;
   double part_;          // of the size of a row that may be open
+  Vector start_;         // x where the rows were chosen
   SparsePlan D_;         // rows that were left out by coordinates
   Vector rows_, rates_;  // how far each of them may be open; rows_: holonomic ones, zero for others
 };

@@ -35,6 +35,11 @@ EnergyBook::EnergyBook(const System& system, std::span<const Index> rows)
       brought_in_(system.components.size()),
       taken_out_(system.components.size()) {}
 
+void EnergyBook::take_rows(std::span<const Index> rows) {
+  rows_.assign(rows.begin(), rows.end());
+  kkt_.reset();
+}
+
 /// Whether a constraint would be violated by standing still: c_t or b(t, x, 0) is not zero.
 bool EnergyBook::constraints_move(const State& state) {
   if (kkt_ != nullptr || rows_.empty()) return kkt_ != nullptr;

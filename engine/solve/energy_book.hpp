@@ -34,6 +34,8 @@ class EnergyBook {
   /// `rows`: independent constraint rows.
   EnergyBook(const System& system, std::span<const Index> rows);
 
+  /// Other rows have become the independent ones.
+  void take_rows(std::span<const Index> rows);
   /// Where a run begins, and where it goes on behind a jump of an input.
   void begin(const State& state);
   /// A step from the last state to `end`, both within the last step of the integrator; `middle` is workspace.

@@ -13,6 +13,18 @@ const Variable* variable(const System& system, Index i) {
 
 }  // namespace
 
+IntegratorWork& IntegratorWork::operator+=(const IntegratorWork& other) {
+  steps += other.steps;
+  evaluations += other.evaluations;
+  jacobians += other.jacobians;
+  factorizations += other.factorizations;
+  newton_iterations += other.newton_iterations;
+  error_test_failures += other.error_test_failures;
+  convergence_failures += other.convergence_failures;
+  imprecise += other.imprecise;
+  return *this;
+}
+
 std::string variable_name(const System& system, Index i) {
   const Variable* found = variable(system, i);
   if (found == nullptr) return "an unknown";

@@ -21,6 +21,7 @@ struct IntegratorWork {
   long newton_iterations = 0;  // zero for explicit methods
   long error_test_failures = 0, convergence_failures = 0;
   long imprecise = 0;  // accelerations that were integrated with fewer than six digits
+  IntegratorWork& operator+=(const IntegratorWork& other);
 };
 
 class Integrator {

@@ -62,54 +62,109 @@ void factor(sparse::RankLu& lu, const sparse::CscView& D_transposed, Index m, sp
   lu.factor(D_transposed, options);
 }
 
-/// Of holonomic rows that imply each other those declared last become the redundant ones: with the self-stresses as rows
-/// of a matrix, its pivot columns when these are taken backwards.
-std::vector<RedundantRow> declared_last(const std::vector<RedundantRow>& redundant, Index m) {
-  constexpr double safe_exchange = 1e-3;                            // no row in place of one that it hardly depends on
-  std::vector<std::pair<Index, std::pair<Index, double>>> entries;  // row, (self-stress, share)
+/// Norms of the columns of D^T in nominals, the rows of D.
+Vector row_norms(const ScaledTranspose& D) {
+  Vector norms;
+  const sparse::CscView view = D.view();
+  for (Index row = 0; row < view.columns; ++row) {
+    double sum = 0.0;
+    for (Index e = view.start[row]; e < view.start[row + 1]; ++e) sum += view.value[e] * view.value[e];
+    norms.push_back(std::sqrt(sum));
+  }
+  return norms;
+}
+
+/// Self-stresses as a matrix: a row for each, a column for every constraint row that has a share in one.
+class Stresses {
+ public:
+  void add(Index row, Index stress, double share) { entries_.push_back({row, {stress, share}}); }
+  void compress(Index count) {
+    std::sort(entries_.begin(), entries_.end());
+    count_ = count;
+    for (const auto& [row, entry] : entries_) {
+      if (rows_.empty() || rows_.back() != row) {
+        rows_.push_back(row);
+        start_.push_back(static_cast<Index>(stress_.size()));
+      }
+      stress_.push_back(entry.first);
+      share_.push_back(entry.second);
+    }
+    start_.push_back(static_cast<Index>(stress_.size()));
+  }
+  [[nodiscard]] sparse::CscView view() const {
+    return {count_, static_cast<Index>(rows_.size()), start_.data(), stress_.data(), share_.data()};
+  }
+  /// The constraint rows, one per column.
+  [[nodiscard]] const std::vector<Index>& rows() const { return rows_; }
+
+ private:
+  std::vector<std::pair<Index, std::pair<Index, double>>> entries_;  // row, (self-stress, share)
+  Index count_ = 0;
+  std::vector<Index> rows_, start_, stress_;
+  Vector share_;
+};
+
+/// Of the rows `from` ... `to` that imply each other those declared last become the redundant ones: the pivot columns of
+/// their self-stresses, when these are taken backwards. Rows with a small share in a self-stress are kept: without them the
+/// others would hardly be independent.
+std::vector<RedundantRow> declared_last(const std::vector<RedundantRow>& redundant, Index from, Index to,
+                                        const Vector& norms) {
+  constexpr double safe_exchange = 1e-3;  // no row in place of one that it hardly depends on
+  constexpr double least_share = 0.1;     // of the largest of its self-stress
   std::vector<RedundantRow> result;
+  Stresses all, candidates;
   Index count = 0;
   for (const RedundantRow& r : redundant) {
-    if (r.row >= m) {  // a nonholonomic row cannot take the place of a holonomic one
+    if (r.row < from || r.row >= to) {
       result.push_back(r);
       continue;
     }
-    entries.push_back({r.row, {count, 1.0}});
-    for (const auto& [row, c] : r.follows_from) entries.push_back({row, {count, -c}});
+    const auto weight = [&](Index row, double share) { return std::abs(share) * norms[static_cast<std::size_t>(row)]; };
+    const auto may_go = [&](Index row) { return row >= from && row < to; };
+    double largest = weight(r.row, 1.0);
+    for (const auto& [row, c] : r.follows_from) largest = may_go(row) ? std::max(largest, weight(row, c)) : largest;
+    const auto add = [&](Index row, double share) {
+      all.add(row, count, share);
+      if (may_go(row) && weight(row, share) >= least_share * largest) candidates.add(row, count, share);
+    };
+    add(r.row, 1.0);
+    for (const auto& [row, c] : r.follows_from) add(row, -c);
     ++count;
   }
-  std::sort(entries.begin(), entries.end());
-  std::vector<Index> rows, start, stress, order;
-  Vector share;
-  for (const auto& [row, entry] : entries) {
-    if (rows.empty() || rows.back() != row) {
-      rows.push_back(row);
-      start.push_back(static_cast<Index>(stress.size()));
-    }
-    stress.push_back(entry.first);
-    share.push_back(entry.second);
-  }
-  start.push_back(static_cast<Index>(stress.size()));
-  order.resize(rows.size());
+  if (count == 0) return result;
+  all.compress(count);
+  candidates.compress(count);
+  std::vector<Index> order(candidates.rows().size());
   std::iota(order.rbegin(), order.rend(), Index{0});
-  const sparse::CscView stresses{count, static_cast<Index>(rows.size()), start.data(), stress.data(), share.data()};
   sparse::RankLu lu;
-  lu.factor(stresses, {.rank_tolerance = safe_exchange, .order = order});
+  lu.factor(candidates.view(), {.rank_tolerance = safe_exchange, .order = order});
   if (lu.rank() < count) return redundant;
-  // Once more with the pivots first, so that the others are told in all of them.
-  order = lu.pivot_columns();
-  order.insert(order.end(), lu.dependent_columns().begin(), lu.dependent_columns().end());
-  lu.factor(stresses, {.order = order});
+  // All of them with the redundant ones first, so that the others are told in these.
+  std::vector<bool> taken(all.rows().size(), false);
+  order.clear();
+  for (const Index column : lu.pivot_columns()) {
+    const auto place =
+        std::lower_bound(all.rows().begin(), all.rows().end(), candidates.rows()[static_cast<std::size_t>(column)]);
+    order.push_back(place - all.rows().begin());
+    taken[static_cast<std::size_t>(order.back())] = true;
+  }
+  for (std::size_t column = 0; column < taken.size(); ++column) {
+    if (!taken[column]) order.push_back(static_cast<Index>(column));
+  }
+  lu.factor(all.view(), {.order = order});
+  if (lu.rank() < count || std::any_of(lu.pivot_columns().begin(), lu.pivot_columns().end(),
+                                       [&](Index column) { return !taken[static_cast<std::size_t>(column)]; }))
+    return redundant;
   std::vector<RedundantRow> exchanged(static_cast<std::size_t>(count));
-  std::vector<std::size_t> place(rows.size());
+  std::vector<std::size_t> place(all.rows().size());
   for (std::size_t k = 0; k < exchanged.size(); ++k) {
-    const Index column = lu.pivot_columns()[k];
-    place[static_cast<std::size_t>(column)] = k;
-    exchanged[k].row = rows[static_cast<std::size_t>(column)];
+    const auto column = static_cast<std::size_t>(lu.pivot_columns()[k]);
+    place[column] = k;
+    exchanged[k].row = all.rows()[column];
   }
   const std::vector<sparse::Dependency> dependencies = lu.dependencies();
   for (std::size_t k = 0; k < dependencies.size(); ++k) {
-    const Index row = rows[static_cast<std::size_t>(lu.dependent_columns()[k])];
+    const Index row = all.rows()[static_cast<std::size_t>(lu.dependent_columns()[k])];
     for (const auto& [column, c] : dependencies[k]) {
       if (std::abs(c) > no_share) exchanged[place[static_cast<std::size_t>(column)]].follows_from.emplace_back(row, -c);
     }
@@ -118,7 +173,7 @@ std::vector<RedundantRow> declared_last(const std::vector<RedundantRow>& redunda
   return result;
 }
 
-std::vector<RedundantRow> redundant_rows(const sparse::RankLu& lu, Index m) {
+std::vector<RedundantRow> redundant_rows(const sparse::RankLu& lu, Index m, const Vector& norms) {
   std::vector<RedundantRow> result;
   const std::vector<sparse::Dependency> dependencies = lu.dependencies();
   for (std::size_t k = 0; k < dependencies.size(); ++k) {
@@ -128,7 +183,9 @@ std::vector<RedundantRow> redundant_rows(const sparse::RankLu& lu, Index m) {
       if (std::abs(c) > no_share) redundant.follows_from.emplace_back(row, c);
     }
   }
-  result = declared_last(result, m);
+  // A nonholonomic row cannot take the place of a holonomic one.
+  result = declared_last(result, 0, m, norms);
+  result = declared_last(result, m, static_cast<Index>(norms.size()), norms);
   for (RedundantRow& r : result) std::sort(r.follows_from.begin(), r.follows_from.end());
   std::sort(result.begin(), result.end(), [](const auto& a, const auto& b) { return a.row < b.row; });
   return result;
@@ -194,6 +251,12 @@ void put_first(std::vector<Index>& list, const std::vector<Index>& prescribed) {
 
 }  // namespace
 
+std::vector<Index> left_out_by(const Partition& partition) {
+  std::vector<Index> rows;
+  for (const RedundantRow& r : partition.redundant) rows.push_back(r.row);
+  return rows;
+}
+
 std::string row_names(const System& system, std::span<const Index> rows) {
   std::string text;
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -223,7 +286,7 @@ Partition choose_partition(const System& system, const State& state, const Presc
     options.row_class = holonomic_class;
     options.late_row_class = nonholonomic_class;
     factor(lu, D.view(), m, options);
-    result.redundant = redundant_rows(lu, m);
+    result.redundant = redundant_rows(lu, m, row_norms(D));
   }
 
   std::vector<bool> dependent(static_cast<std::size_t>(n), false), redundant(static_cast<std::size_t>(count), false);

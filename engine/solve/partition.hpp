@@ -34,6 +34,9 @@ struct Partition {
 /// Chooses at `state`. Throws AnalysisError where the prescribed coordinates cannot be what they shall be.
 Partition choose_partition(const System& system, const State& state, const Prescribed& prescribed = {});
 
+/// The redundant rows, in ascending order.
+std::vector<Index> left_out_by(const Partition& partition);
+
 /// "hinge.x, hinge.y" for messages.
 std::string row_names(const System& system, std::span<const Index> rows);
 

@@ -77,12 +77,11 @@ class Run {
         observer_(observer),
         chosen_at_(chosen_at),
         chosen_(choose_integrator(system, options, chosen_at)),
-        integrator_(*chosen_.integrator),
         blocks_(system),
-        dropped_(system, choose_partition(system, chosen_at), chosen_at, options.rel_tol),
-        kkt_(system, dropped_.kept()),
-        book_(system, kkt_.rows()),
-        events_(system, options, kkt_),
+        dropped_(std::in_place, system, choose_partition(system, chosen_at), chosen_at, options.rel_tol),
+        kkt_(std::in_place, system, dropped_->kept()),
+        book_(system, kkt_->rows()),
+        events_(system, options, *kkt_),
         schedule_(options, start.t),
         state_(start),
         shown_(start),
@@ -91,13 +90,18 @@ class Run {
   Simulation march();
   /// Continues what the checkpoint remembers, with no output at the start.
   void recall(const Checkpoint& from);
-  [[nodiscard]] std::string integrator() const { return std::string(integrator_.name()); }
+  [[nodiscard]] std::string integrator_name() const { return std::string(chosen_.integrator->name()); }
 
  private:
   [[nodiscard]] Checkpoint checkpoint() const;
   void state_at(double t, State& state);
   void complete(State& state);
   void project();
+  [[nodiscard]] Integrator& integrator() const { return *chosen_.integrator; }
+  std::optional<double> step();
+  bool rows_nearly_depend();
+  void choose_rows_anew(Partition partition, const std::optional<AnalysisError>& why);
+  bool follow_without_end(double t);
   std::optional<Events::Hit> begin_segment();
   void march_segment();
   void settle(const Events::Hit& hit);
@@ -111,10 +115,9 @@ class Run {
   const Observer& observer_;
   State chosen_at_;
   ChosenIntegrator chosen_;
-  Integrator& integrator_;
   Blocks blocks_;
-  DroppedRows dropped_;
-  Kkt kkt_;
+  std::optional<DroppedRows> dropped_;
+  std::optional<Kkt> kkt_;  // others refer to it: where rows are chosen anew it stays in its place
   EnergyBook book_;
   Events events_;
   Schedule schedule_;
@@ -124,6 +127,9 @@ class Run {
   bool anew_ = true;        // integration starts anew from state_: at the start, at a jump, at an event
   bool remembers_ = false;  // the integrator goes on from a checkpoint with the same bits
   Vector memory_;           // of the checkpoint to go on from
+  IntegratorWork before_;   // of integrators with other rows
+  long look_again_at_ = 1;  // imprecise accelerations
+  std::optional<AnalysisError> choose_after_step_;  // rows are chosen anew at the end of this step, or this is thrown
   double last_event_ = -HUGE_VAL;
   int crowded_ = 0;  // events in a row that came too soon
   std::vector<long> limited_;
@@ -135,15 +141,15 @@ class Run {
 /// comes here: outputs, events and the energy balance see the same.
 void Run::state_at(double t, State& state) {
   if (&state != &state_) state.held = state_.held;
-  integrator_.interpolate(t, state);
+  integrator().interpolate(t, state);
 }
 
 /// Accelerations, multipliers and rates of what is shown.
 void Run::complete(State& state) {
-  if (remembers_) kkt_.forget_pivots();  // or a continued run would show other bits than one that came along
-  kkt_.complete(state, blocks_);
-  if (kkt_.uncertainty() > result_.statistics.worst_shown) {
-    result_.statistics.worst_shown = kkt_.uncertainty();
+  if (remembers_) kkt_->forget_pivots();  // or a continued run would show other bits than one that came along
+  kkt_->complete(state, blocks_);
+  if (kkt_->uncertainty() > result_.statistics.worst_shown) {
+    result_.statistics.worst_shown = kkt_->uncertainty();
     result_.statistics.worst_shown_time = state.t;
   }
 }
@@ -156,13 +162,13 @@ std::optional<Events::Hit> Run::begin_segment() {
   if (memory_.empty() && (started_ || resumed_)) project();
   state_.side = 1;
   apply_inputs(system_, state_);
-  kkt_.forget_pivots();
+  kkt_->forget_pivots();
   complete(state_);
-  integrator_.begin(state_, segment_end_);
-  remembers_ = !integrator_.memory().empty();
-  if (!memory_.empty()) integrator_.recall(std::exchange(memory_, {}));
+  integrator().begin(state_, segment_end_);
+  remembers_ = !integrator().memory().empty();
+  if (!memory_.empty()) integrator().recall(std::exchange(memory_, {}));
   anew_ = false;
-  const auto hit = events_.arm(state_);
+  auto hit = events_.arm(state_);
   book_.begin(state_);
   if (started_) ++result_.statistics.restarts;
   started_ = true;
@@ -177,8 +183,7 @@ void Run::recall(const Checkpoint& from) {
 
 Checkpoint Run::checkpoint() const {
   const bool anew = anew_ || state_.t >= next_jump_;
-  return {state_, chosen_at_, std::string(integrator_.name()), anew ? Vector() : integrator_.memory(),
-          events_.memory()};
+  return {state_, chosen_at_, integrator_name(), anew ? Vector() : integrator().memory(), events_.memory()};
 }
 
 /// Output at t within the last step: completed.
@@ -195,7 +200,7 @@ void Run::note_step(double step) {
   SimulationStatistics& s = result_.statistics;
   s.smallest_step = s.smallest_step == 0.0 ? step : std::min(s.smallest_step, step);
   s.largest_step = std::max(s.largest_step, step);
-  if (const Index limiting = integrator_.limiting(); limiting >= 0) ++limited_[static_cast<std::size_t>(limiting)];
+  if (const Index limiting = integrator().limiting(); limiting >= 0) ++limited_[static_cast<std::size_t>(limiting)];
   const Violation violation = constraint_violation(system_, state_, blocks_);
   if (violation.position > s.worst_position) {
     s.worst_position = violation.position;
@@ -205,27 +210,33 @@ void Run::note_step(double step) {
     s.worst_velocity = violation.velocity;
     s.worst_velocity_row = system_.constraint(violation.velocity_row).name;
   }
-  dropped_.look(state_, blocks_);
 }
 
-void Run::project() { close_independent_rows(system_, state_, dropped_.partition(), blocks_); }
+void Run::project() { close_independent_rows(system_, state_, dropped_->partition(), blocks_); }
 
 /// Puts the state of an event back onto the constraints, from which interpolation has taken it.
 void Run::settle(const Events::Hit& hit) {
   anew_ = true;
   state_at(hit.time, state_);
   project();
+  if (const auto open = dropped_->look(state_, blocks_)) throw AnalysisError(*open);
   complete(state_);
   events_.settled(state_);
+}
+
+/// Counts what happens at t; true where such times follow each other too closely for too long.
+bool Run::follow_without_end(double t) {
+  const bool crowded = t - last_event_ < least_distance * (options_.to_time - options_.from_time);
+  last_event_ = t;
+  crowded_ = crowded ? crowded_ + 1 : 0;
+  return crowded_ > most_crowded_events;
 }
 
 /// What the scene asks for at an event; outputs on both sides where it does.
 void Run::take(const Events::Hit& hit) {
   anew_ = true;
   const double distance = hit.time - last_event_;
-  last_event_ = hit.time;
-  crowded_ = distance < least_distance * (options_.to_time - options_.from_time) ? crowded_ + 1 : 0;
-  if (crowded_ > most_crowded_events) {
+  if (follow_without_end(hit.time)) {
     const std::string& name = events_.name(hit.what.front());
     throw AnalysisError(
         "simulate",
@@ -258,14 +269,72 @@ void Run::take(const Events::Hit& hit) {
   if (observer_.output) observer_.output(state_);
 }
 
+/// One step from state_, where all rows are closed, to the time that is returned; nothing where rows were chosen anew.
+std::optional<double> Run::step() {
+  if (!dropped_->any()) return integrator().step();
+  std::optional<AnalysisError> why;
+  double reached = 0.0;
+  bool failed = true;
+  try {
+    reached = integrator().step();
+    failed = false;
+    state_at(reached, shown_);
+    why = dropped_->look(shown_, blocks_);
+    if (!why && !rows_nearly_depend()) return reached;
+  } catch (const AnalysisError& error) {
+    why = error;
+  }
+  Partition partition = choose_partition(system_, state_);
+  if (partition.rows == dropped_->kept() && why && !failed && dropped_->along_branch(shown_, blocks_)) {
+    // A long first step away from a singular position: the far end tells the rows.
+    choose_after_step_ = *why;
+    return reached;
+  }
+  if (why && partition.rows.size() > dropped_->kept().size() &&
+      !dropped_->along_branch(failed ? state_ : shown_, blocks_))
+    throw AnalysisError(*why);
+  choose_rows_anew(std::move(partition), why);
+  return std::nullopt;
+}
+
+/// Whether accelerations lose digits and other rows than those that are solved for would keep them.
+bool Run::rows_nearly_depend() {
+  const long imprecise = integrator().work().imprecise;
+  if (imprecise < look_again_at_) return false;
+  look_again_at_ = 2 * imprecise;
+  const std::vector<Index> rows = choose_partition(system_, state_).rows;
+  return rows.size() == dropped_->kept().size() && rows != dropped_->kept();
+}
+
+/// Rows that others implied at the start need not follow from the same ones elsewhere. From state_, the last one with all
+/// rows closed, the run goes on with those that are independent there; throws `why` where these are the same.
+void Run::choose_rows_anew(Partition partition, const std::optional<AnalysisError>& why) {
+  if (why && (partition.rows == dropped_->kept() || follow_without_end(state_.t))) throw AnalysisError(*why);
+  anew_ = true;
+  const std::string left_out = row_names(system_, left_out_by(partition));
+  before_ += integrator().work();
+  look_again_at_ = 1;
+  chosen_at_ = state_;
+  dropped_.emplace(system_, std::move(partition), state_, options_.rel_tol);
+  kkt_.emplace(system_, dropped_->kept());
+  book_.take_rows(kkt_->rows());
+  SimulateOptions same = options_;
+  same.integrator = integrator_called(integrator().name());
+  chosen_.integrator = choose_integrator(system_, same, chosen_at_).integrator;
+  result_.events.push_back(
+      {state_.t, "constraints chosen anew, " + (left_out.empty() ? "none is redundant" : "redundant are " + left_out)});
+}
+
 void Run::march_segment() {
   const auto interpolate = [this](double t, State& state) { state_at(t, state); };
   for (long steps = 0; state_.t < segment_end_ && running_; ++steps) {
     const double before = state_.t;
-    double reached = integrator_.step();
+    const std::optional<double> stepped = this->step();
+    if (!stepped) return;
+    double reached = *stepped;
     const double step = reached - before;
     if (steps > most_steps_in_segment)
-      throw stalled(system_, before, step, "the steps are too many", "", integrator_.limiting());
+      throw stalled(system_, before, step, "the steps are too many", "", integrator().limiting());
     watch_.lap(result_.statistics.seconds_integrating);
     const auto hit = events_.find(before, reached, interpolate, shown_);
     if (hit) reached = hit->time;
@@ -291,6 +360,10 @@ void Run::march_segment() {
       running_ = false;
     }
     if (hit) take(*hit);
+    if (const auto why = std::exchange(choose_after_step_, std::nullopt)) {
+      choose_rows_anew(choose_partition(system_, state_), why);
+      return;
+    }
     if (observer_.checkpoint_due && observer_.checkpoint_due()) observer_.checkpoint(checkpoint());
     if (!hit) continue;
     return;
@@ -322,8 +395,9 @@ Simulation Run::march() {
 
 void Run::conclude(double seconds) {
   SimulationStatistics& s = result_.statistics;
-  static_cast<IntegratorWork&>(s) = integrator_.work();
-  s.integrator = std::string(integrator_.name()) + (chosen_.reason.empty() ? "" : ", chosen: " + chosen_.reason);
+  static_cast<IntegratorWork&>(s) = before_;
+  s += integrator().work();
+  s.integrator = integrator_name() + (chosen_.reason.empty() ? "" : ", chosen: " + chosen_.reason);
   s.seconds = seconds;
   s.energy = book_.balance();
   const auto most = std::max_element(limited_.begin(), limited_.end());
@@ -367,7 +441,7 @@ Simulation resume(const System& system, const SimulateOptions& options, const Ch
   if (options.integrator == SimulateOptions::Integrator::automatic)
     same.integrator = integrator_called(from.integrator);
   Run run(system, same, from.state, from.chosen_at, observer);
-  if (const std::string name = run.integrator(); name != from.integrator) {
+  if (const std::string name = run.integrator_name(); name != from.integrator) {
     throw AnalysisError("simulate", "a checkpoint of \"" + from.integrator + "\", to be continued by \"" + name + "\"",
                         "the integrator that wrote it", "set \"integrator\": \"" + from.integrator + "\"", "/simulate");
   }
