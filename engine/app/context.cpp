@@ -26,6 +26,12 @@ void refuse_too_large(const System& system, const Partition& partition) {
                       "select modes, --set modes.count=20, or take the sparse form, --set linearize.form=descriptor");
 }
 
+void refuse_singular(const System& system, const State& state) {
+  const auto note = singular_note(system, state);
+  if (!note || note->kind != "singular position") return;
+  throw AnalysisError("linearize", note->found, "a position with one linear model", note->remedy, "/components");
+}
+
 [[noreturn]] void fail_to_print() {
   throw WriteError("standard output", std::string("cannot be written: ") + std::strerror(errno),
                    "make room, or send the output elsewhere");
@@ -66,6 +72,7 @@ Linearization linearize(const Compiled& compiled, const Prescribed& prescribed, 
   }
   result.state.side = options.linearize.side;
   result.partition = choose_partition(system, result.state, prescribed);
+  if (!result.partition.redundant.empty()) refuse_singular(system, result.state);
   refuse_too_large(system, result.partition);
   Linearizer linearizer(system, result.partition, std::move(outputs));
   linearizer.linearize(result.state, result.model);

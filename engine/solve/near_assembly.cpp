@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <random>
 
 #include "solve/assemble.hpp"
 #include "sparse/rank_lu.hpp"
@@ -23,7 +25,8 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 /// C_x^T in nominals, without the rows of fixed coordinates, factored: its pivots are x_d and the independent rows of c.
 class FreeRows {
  public:
-  FreeRows(const System& system, const State& state, std::span<const Index> fixed) {
+  /// Coordinates that "start" gives are pivots where no others serve, if `given_last`.
+  FreeRows(const System& system, const State& state, std::span<const Index> fixed, bool given_last = true) {
     Blocks blocks(system);
     if (!blocks.evaluate(system, state, Request{}.blocks({BRAMAH_C_X})).ok()) return;
     std::vector<Index> free = shifted(system.n(), 0);
@@ -36,8 +39,9 @@ class FreeRows {
     values_.assign(plan_.values().begin(), plan_.values().end());
     for (std::size_t e = 0; e < values_.size(); ++e) values_[e] *= system.x[at(plan_.row()[e])].nominal;
     std::vector<int> given;
-    for (const Variable& x : system.x) given.push_back(x.start_given ? 1 : 0);
+    for (const Variable& x : system.x) given.push_back(given_last && x.start_given ? 1 : 0);
     sparse::RankLuOptions options;
+    options.rank_tolerance = std::max(options.rank_tolerance, system.rank_tolerance());
     options.row_class = given;
     lu_.factor({plan_.rows(), plan_.columns(), plan_.start().data(), plan_.row().data(), values_.data()}, options);
   }
@@ -73,6 +77,31 @@ class FreeRows {
     }
     return result;
   }
+  /// u (n) with C_x u = 0, of largest entry 1, that moves all other coordinates by random shares.
+  [[nodiscard]] Vector random_motion(std::mt19937_64& random) const {
+    Vector column(at(plan_.columns()), 0.0), u(at(plan_.rows()), 0.0), of_others = u;
+    for (double& share : of_others) share = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
+    for (const Index i : coordinates()) of_others[at(i)] = 0.0;
+    for (Index row = 0; row < plan_.columns(); ++row) {
+      for (Index e = plan_.start()[at(row)]; e < plan_.start()[at(row) + 1]; ++e)
+        column[at(row)] -= values_[at(e)] * of_others[at(plan_.row()[at(e)])];
+    }
+    lu_.solve_transposed(column, u);
+    double largest = 0.0;
+    for (std::size_t i = 0; i < u.size(); ++i) largest = std::max(largest, std::abs(u[i] += of_others[i]));
+    for (double& value : u) value /= std::max(largest, 1e-300);
+    return u;
+  }
+  /// Coordinates that have entries in the given rows.
+  [[nodiscard]] std::vector<Index> joined_by(std::span<const Index> rows) const {
+    std::vector<Index> result;
+    for (const Index row : rows)
+      result.insert(result.end(), plan_.row().begin() + plan_.start()[at(row)],
+                    plan_.row().begin() + plan_.start()[at(row) + 1]);
+    std::sort(result.begin(), result.end());
+    result.erase(std::unique(result.begin(), result.end()), result.end());
+    return result;
+  }
   /// u (n) with C_x u = 0 that moves x_d and coordinate j.
   [[nodiscard]] Vector motion(Index j) const {
     Vector column(at(plan_.columns()), 0.0), u(at(plan_.rows()));
@@ -99,17 +128,20 @@ class FreeRows {
   sparse::RankLu lu_;
 };
 
-/// w^T c_xx(u, u), u in nominals: what s, quadratic in v, has beside its other terms.
-double curvature(const System& system, State state, const Vector& u, const Vector& w) {
+/// w^T c_xx(u, u), u in nominals: what s, quadratic in v, has beside its other terms. `terms`: the sum of the sizes of the
+/// rows' shares.
+double curvature(const System& system, State state, const Vector& u, const Vector& w, double* terms = nullptr) {
   Blocks blocks(system);
   std::fill(state.a.begin(), state.a.end(), 0.0);
-  double sum = 0.0;
+  Vector bend(w.size(), 0.0);
   for (const double factor : {-1.0, 0.0, 1.0}) {
     for (std::size_t i = 0; i < u.size(); ++i) state.v[i] = factor * u[i] * system.x[i].nominal;
     if (!blocks.evaluate(system, state, Request{}.rows("s")).ok()) return 0.0;
-    for (std::size_t k = 0; k < w.size(); ++k) sum += (factor == 0.0 ? -1.0 : 0.5) * w[k] * blocks.s[k];
+    for (std::size_t k = 0; k < w.size(); ++k) bend[k] += (factor == 0.0 ? -1.0 : 0.5) * w[k] * blocks.s[k];
   }
-  return sum;
+  if (terms != nullptr)
+    *terms = std::accumulate(bend.begin(), bend.end(), 0.0, [](double sum, double b) { return sum + std::abs(b); });
+  return std::accumulate(bend.begin(), bend.end(), 0.0);
 }
 
 double distance(const System& system, const Vector& a, const Vector& b) {
@@ -210,6 +242,45 @@ std::vector<Move> find_assemblies_on_either_side(const System& system, const Sta
     }
   }
   return {};
+}
+
+std::optional<SingularPosition> find_singular_position(const System& system, const State& state) {
+  constexpr int motions = 24;           // enough for both signs of a form that has them
+  constexpr double cancels = 1e-6;      // of its terms: what rounding of the scene's data leaves of a sum that is zero
+  constexpr double least_terms = 1e-9;  // of the rows' own sizes: terms that are rounding themselves
+  constexpr double few_digits = 9.0;    // a linear model with fewer is told of
+  if (system.m() == 0) return std::nullopt;
+  const FreeRows free(system, state, {}, false);
+  SingularPosition result;
+  const auto found = [&](SingularPosition::Kind kind, const Vector& w) {
+    result.kind = kind;
+    std::vector<Index> rows = shifted(system.m(), 0);
+    result.rows = largest(std::move(rows), [&](Index k) { return std::abs(w[at(k)]); });
+    result.coordinates = free.joined_by(result.rows);
+    return result;
+  };
+  for (const Vector& w : free.self_stresses()) {
+    double size = 0.0;
+    for (std::size_t k = 0; k < w.size(); ++k) size += std::abs(w[k]) * system.holonomic[k].nominal;
+    std::mt19937_64 random(1);
+    bool up = false, down = false;
+    for (int k = 0; k < motions; ++k) {
+      double terms = 0.0;
+      const double bend = curvature(system, state, free.random_motion(random), w, &terms);
+      if (std::abs(bend) <= std::max(cancels * terms, least_terms * size)) continue;
+      (bend > 0.0 ? up : down) = true;
+    }
+    if (up && down) return found(SingularPosition::Kind::bifurcation, w);
+    if (up || down) return found(SingularPosition::Kind::locked, w);
+  }
+  if (!free.nearly_singular()) return std::nullopt;
+  Vector u, w;
+  const double sigma = free.smallest(u, w), bend = std::abs(curvature(system, state, u, w));
+  // Positions are closed to rounding, which moves the machine by eps / sigma and its tangents by as much over sigma.
+  result.digits = std::max(0.0, std::log10(sigma * sigma / std::numeric_limits<double>::epsilon()));
+  if (result.digits >= few_digits || !(bend > std::sqrt(sigma))) return std::nullopt;
+  result.distance = sigma / bend;
+  return found(SingularPosition::Kind::near, w);
 }
 
 }  // namespace bramah

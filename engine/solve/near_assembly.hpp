@@ -41,4 +41,20 @@ std::optional<NearAssembly> find_near_assembly(const System& system, const State
 std::vector<Move> find_assemblies_on_either_side(const System& system, const State& stuck,
                                                  std::span<const Index> fixed);
 
+/// A position at which the rank of c drops, or almost: beside it the rows are independent.
+struct SingularPosition {
+  enum class Kind { bifurcation, locked, near };
+  Kind kind = Kind::bifurcation;
+  std::vector<Index> rows;         // that depend on each other here, the largest share first
+  std::vector<Index> coordinates;  // that these rows join
+  double distance = 0.0;           // near: how far away the singular position is, in nominals, an estimate
+  double digits = 0.0;             // near: that linear models keep
+};
+
+/// Tells rows that repeat each other everywhere from those that do so at `state` only. A self-stress w, w^T C_x = 0, and
+/// motions u, C_x u = 0, are constant in rank where w^T c_xx(u, u) = 0 for all u. With both signs the mechanism can go on in
+/// two ways (bifurcation); with one it is locked in second order (Connelly, Whiteley 1996). Random motions of fixed seeds
+/// tell which. Where no row was dropped, the smallest singular value tells how near such a position is.
+std::optional<SingularPosition> find_singular_position(const System& system, const State& state);
+
 }  // namespace bramah

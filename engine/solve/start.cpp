@@ -65,6 +65,15 @@ StartNote note_on(const System& system, const std::vector<Index>& changed, const
   return note;
 }
 
+std::vector<std::string> components_of(const System& system, const std::vector<Index>& list, const auto& component) {
+  std::vector<std::string> names;
+  for (const Index i : list) {
+    const std::string& name = system.component_name(component(i));
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
 /// Joints that repeat each other and disagree by what System::assembly_tolerance lets pass.
 std::optional<StartNote> note_on_rounding(const System& system, const State& state) {
   Blocks blocks(system);
@@ -88,6 +97,43 @@ std::optional<StartNote> note_on_rounding(const System& system, const State& sta
       digits(system.assembly_tolerance) + " m";
   return note;
 }
+
+}  // namespace
+
+std::optional<StartNote> singular_note(const System& system, const State& state) {
+  const auto singular = find_singular_position(system, state);
+  if (!singular) return std::nullopt;
+  const std::string joints = list_of(
+                        components_of(system, singular->rows, [&](Index i) { return system.constraint(i).component; })),
+                    bodies = list_of(components_of(system, singular->coordinates, [&](Index i) {
+                      return system.x[static_cast<std::size_t>(i)].component;
+                    }));
+  StartNote note{"singular position", {}, "", ""};
+  for (const Index row : singular->rows) note.names.push_back(system.constraint(row).name);
+  if (singular->kind == SingularPosition::Kind::near) {
+    note.kind = "nearly singular";
+    note.found = "the position is nearly singular: about " + digits(singular->distance) +
+                 " nominals away the rows of " + joints + " depend on each other; linear models here keep about " +
+                 std::to_string(static_cast<int>(singular->digits)) + " digits";
+    note.remedy = "move the start values of " + bodies + " away from it, or read no more digits than that";
+  } else if (singular->kind == SingularPosition::Kind::locked) {
+    note.found =
+        "the position is singular: the rows of " + joints +
+        " depend on each other here only, and any motion that they leave opens them in second order, so that the "
+        "structure is locked";
+    note.remedy = "a locked structure has no motion to linearize; leave out a joint, or change a length";
+  } else {
+    note.found = "the position is singular, a bifurcation: the rows of " + joints +
+                 " depend on each other here only, and the mechanism can go on in two ways, which differ in how " +
+                 bodies + " move";
+    note.remedy =
+        "no single linear model exists here: move the start values to the branch that is meant; a simulation "
+        "goes on along its start velocity";
+  }
+  return note;
+}
+
+namespace {
 
 std::vector<Index> changed_rates(const System& system, const State& state) {
   std::vector<Index> changed = given_rates(system);
@@ -131,6 +177,7 @@ std::vector<StartNote> start_notes(const System& system, const Options& options,
   if (const auto other = find_near_assembly(system, state, start, options.equilibrium.hold_x))
     notes.push_back(note_on(system, *other, !options.equilibrium.hold_x.empty()));
   if (const auto rounding = note_on_rounding(system, state)) notes.push_back(*rounding);
+  if (const auto singular = singular_note(system, state)) notes.push_back(*singular);
   if (equilibrium) return notes;
   if (const std::vector<Index> changed = changed_rates(system, state); !changed.empty())
     notes.push_back(note_on(system, changed, state));

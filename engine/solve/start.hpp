@@ -1,6 +1,7 @@
 // The state that an analysis begins with.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,10 +24,13 @@ State reference_state(const System& system, const Options& options, bool equilib
 
 /// A start that is sound, and perhaps not the one that is meant.
 struct StartNote {
-  std::string kind;                // "near assembly", "rounded data" or "rate changed"
+  std::string kind;  // "near assembly", "rounded data", "singular position", "nearly singular", "rate changed"
   std::vector<std::string> names;  // of the coordinates concerned
   std::string found, remedy;
 };
+
+/// Where `state` is a singular position, at which the rank of the constraints drops for this position only, or nearly one.
+std::optional<StartNote> singular_note(const System& system, const State& state);
 
 /// What is to be said about the state that reference_state makes of the start values: another assembly nearby, rates that
 /// were given and could not be kept (by 1e-6 of themselves or of the nominal). An equilibrium has no rates.

@@ -6,12 +6,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <random>
 #include <regex>
 #include <string>
 #include <utility>
 
 #include "io/read_scene.hpp"
+#include "solve/near_assembly.hpp"
 #include "solve/simulate.hpp"
 #include "support/machine.hpp"
 #include "support/methods.hpp"
@@ -98,6 +100,62 @@ TEST_P(SingularStart, OfAFourBarAtRestBetweenItsBranchesIsNamed) {
 TEST_P(SingularStart, OfAFlatArchIsNamed) {
   EXPECT_THAT(error(flat_arch),
               ::testing::AllOf(::testing::HasSubstr("the constraint P."), ::testing::HasSubstr("singular position")));
+}
+
+/// What find_singular_position says of a parallelogram of cranks at `angle`, on a ground turned by `heading` and moved.
+std::optional<SingularPosition> of_parallelogram(double angle, double heading, double moved) {
+  const auto turned = [&](double x, double y) {
+    return "[" + support::exact(moved + x * std::cos(heading) - y * std::sin(heading)) + ", " +
+           support::exact(-moved + x * std::sin(heading) + y * std::cos(heading)) + "]";
+  };
+  const double c = std::cos(angle), s = std::sin(angle);
+  const auto body = [&](const char* name, double x, double y, double turn) {
+    return std::string("\"") + name +
+           R"(": { "type": "mechanics/planar_body", "mass": 1, "inertia": 0.1, "position": )" + turned(x, y) +
+           R"(, "angle": )" + support::exact(heading + turn) + " },";
+  };
+  const std::string scene =
+      R"({ "bramah": 1, "libraries": ["mechanics"], "components": { "ground": { "type": "mechanics/ground" },)" +
+      body("a", 0.5 * c, 0.5 * s, angle) + body("b", 2.0 + 0.5 * c, 0.5 * s, angle) + body("c", 1.0 + c, s, 0.0) + R"(
+    "O": { "type": "mechanics/planar_revolute", "a": "ground", "point_a": )" +
+      turned(0.0, 0.0) + R"(, "b": "a", "point_b": [-0.5, 0] },
+    "P": { "type": "mechanics/planar_revolute", "a": "ground", "point_a": )" +
+      turned(2.0, 0.0) + R"(, "b": "b", "point_b": [-0.5, 0] },
+    "A": { "type": "mechanics/planar_revolute", "a": "a", "point_a": [0.5, 0], "b": "c", "point_b": [-1, 0] },
+    "B": { "type": "mechanics/planar_revolute", "a": "b", "point_a": [0.5, 0], "b": "c", "point_b": [1, 0] } } })";
+  const Compiled machine = compile(read_scene_text(scene, "parallelogram.json"), registry());
+  return find_singular_position(machine.system, consistent_start(machine.system, machine.options, 0.0));
+}
+
+TEST(SingularPosition, IsFoundWhereverTheMachineStands) {
+  using Kind = SingularPosition::Kind;
+  const int count = support::property_runs(20);
+  for (int k = 0; k < count; ++k) {
+    std::mt19937_64 random(support::property_seed(k));
+    const double heading = std::uniform_real_distribution<double>(-3.1, 3.1)(random),
+                 moved = std::uniform_real_distribution<double>(-100.0, 100.0)(random);
+    const auto between = of_parallelogram(0.0, heading, moved);
+    ASSERT_TRUE(between) << "heading " << heading << ", moved " << moved;
+    EXPECT_EQ(between->kind, Kind::bifurcation);
+    const auto beside = of_parallelogram(1e-6, heading, moved);
+    ASSERT_TRUE(beside) << "heading " << heading << ", moved " << moved;
+    EXPECT_EQ(beside->kind, Kind::near);
+    EXPECT_LT(beside->digits, 6.0);
+    EXPECT_FALSE(of_parallelogram(0.5, heading, moved)) << "heading " << heading << ", moved " << moved;
+  }
+}
+
+TEST(SingularPosition, TellsLockedStructuresFromBifurcationsAndBothFromTwoHinges) {
+  const Compiled arch = compile(read_scene_text(flat_arch, "arch.json"), registry());
+  const auto locked = find_singular_position(arch.system, consistent_start(arch.system, arch.options, 0.0));
+  ASSERT_TRUE(locked);
+  EXPECT_EQ(locked->kind, SingularPosition::Kind::locked);
+  for (const char* scene : {"scenes/redundant/door.json", "scenes/four_bar/spatial.json"}) {
+    const Machine machine = load(scene);
+    const Compiled& compiled = machine.compiled;
+    EXPECT_FALSE(find_singular_position(compiled.system, consistent_start(compiled.system, compiled.options, 0.0)))
+        << scene;
+  }
 }
 
 class TurningCart : public ::testing::TestWithParam<Method> {
