@@ -128,20 +128,23 @@ class FreeRows {
   sparse::RankLu lu_;
 };
 
-/// w^T c_xx(u, u), u in nominals: what s, quadratic in v, has beside its other terms. `terms`: the sum of the sizes of the
-/// rows' shares.
-double curvature(const System& system, State state, const Vector& u, const Vector& w, double* terms = nullptr) {
+/// c_xx(u, u) by rows, u in nominals: what s, quadratic in v, has beside its other terms. Zeros where it cannot be evaluated.
+Vector second_order(const System& system, State state, const Vector& u) {
   Blocks blocks(system);
   std::fill(state.a.begin(), state.a.end(), 0.0);
-  Vector bend(w.size(), 0.0);
+  Vector bend(at(system.m()), 0.0);
   for (const double factor : {-1.0, 0.0, 1.0}) {
     for (std::size_t i = 0; i < u.size(); ++i) state.v[i] = factor * u[i] * system.x[i].nominal;
-    if (!blocks.evaluate(system, state, Request{}.rows("s")).ok()) return 0.0;
-    for (std::size_t k = 0; k < w.size(); ++k) bend[k] += (factor == 0.0 ? -1.0 : 0.5) * w[k] * blocks.s[k];
+    if (!blocks.evaluate(system, state, Request{}.rows("s")).ok()) return Vector(bend.size(), 0.0);
+    for (std::size_t k = 0; k < bend.size(); ++k) bend[k] += (factor == 0.0 ? -1.0 : 0.5) * blocks.s[k];
   }
-  if (terms != nullptr)
-    *terms = std::accumulate(bend.begin(), bend.end(), 0.0, [](double sum, double b) { return sum + std::abs(b); });
-  return std::accumulate(bend.begin(), bend.end(), 0.0);
+  return bend;
+}
+
+/// w^T c_xx(u, u).
+double curvature(const System& system, const State& state, const Vector& u, const Vector& w) {
+  const Vector bend = second_order(system, state, u);
+  return std::inner_product(w.begin(), w.end(), bend.begin(), 0.0);
 }
 
 double distance(const System& system, const Vector& a, const Vector& b) {
@@ -259,16 +262,23 @@ std::optional<SingularPosition> find_singular_position(const System& system, con
     result.coordinates = free.joined_by(result.rows);
     return result;
   };
-  for (const Vector& w : free.self_stresses()) {
+  const std::vector<Vector> stresses = free.self_stresses();
+  std::vector<Vector> bends;
+  std::mt19937_64 random(1);
+  for (int k = 0; k < motions && !stresses.empty(); ++k)
+    bends.push_back(second_order(system, state, free.random_motion(random)));
+  for (const Vector& w : stresses) {
     double size = 0.0;
     for (std::size_t k = 0; k < w.size(); ++k) size += std::abs(w[k]) * system.holonomic[k].nominal;
-    std::mt19937_64 random(1);
     bool up = false, down = false;
-    for (int k = 0; k < motions; ++k) {
-      double terms = 0.0;
-      const double bend = curvature(system, state, free.random_motion(random), w, &terms);
-      if (std::abs(bend) <= std::max(cancels * terms, least_terms * size)) continue;
-      (bend > 0.0 ? up : down) = true;
+    for (const Vector& bend : bends) {
+      double sum = 0.0, terms = 0.0;
+      for (std::size_t k = 0; k < w.size(); ++k) {
+        sum += w[k] * bend[k];
+        terms += std::abs(w[k] * bend[k]);
+      }
+      if (std::abs(sum) <= std::max(cancels * terms, least_terms * size)) continue;
+      (sum > 0.0 ? up : down) = true;
     }
     if (up && down) return found(SingularPosition::Kind::bifurcation, w);
     if (up || down) return found(SingularPosition::Kind::locked, w);
