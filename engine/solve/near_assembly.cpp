@@ -135,7 +135,10 @@ Vector second_order(const System& system, State state, const Vector& u) {
   Vector bend(at(system.m()), 0.0);
   for (const double factor : {-1.0, 0.0, 1.0}) {
     for (std::size_t i = 0; i < u.size(); ++i) state.v[i] = factor * u[i] * system.x[i].nominal;
-    if (!blocks.evaluate(system, state, Request{}.rows("s")).ok()) return Vector(bend.size(), 0.0);
+    if (!blocks.evaluate(system, state, Request{}.rows("s")).ok()) {
+      std::fill(bend.begin(), bend.end(), 0.0);
+      return bend;
+    }
     for (std::size_t k = 0; k < bend.size(); ++k) bend[k] += (factor == 0.0 ? -1.0 : 0.5) * blocks.s[k];
   }
   return bend;
