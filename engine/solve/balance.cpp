@@ -150,8 +150,7 @@ double Balance::size(Index* where) const {
 }
 
 void Balance::solve() {
-  matrix_.factor(rounded_ ? std::max(sparse::RankLuOptions{}.rank_tolerance, system_.rank_tolerance())
-                          : sparse::RankLuOptions{}.rank_tolerance);
+  matrix_.factor(rounded_ ? rank_tolerance_of(system_) : sparse::RankLuOptions{}.rank_tolerance);
   matrix_.solve(residual_, step_);
 }
 

@@ -41,7 +41,7 @@ class FreeRows {
     std::vector<int> given;
     for (const Variable& x : system.x) given.push_back(given_last && x.start_given ? 1 : 0);
     sparse::RankLuOptions options;
-    options.rank_tolerance = std::max(options.rank_tolerance, system.rank_tolerance());
+    options.rank_tolerance = rank_tolerance_of(system);
     options.row_class = given;
     lu_.factor({plan_.rows(), plan_.columns(), plan_.start().data(), plan_.row().data(), values_.data()}, options);
   }
@@ -79,16 +79,12 @@ class FreeRows {
   }
   /// u (n) with C_x u = 0, of largest entry 1, that moves all other coordinates by random shares.
   [[nodiscard]] Vector random_motion(std::mt19937_64& random) const {
-    Vector column(at(plan_.columns()), 0.0), u(at(plan_.rows()), 0.0), of_others = u;
-    for (double& share : of_others) share = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
-    for (const Index i : coordinates()) of_others[at(i)] = 0.0;
-    for (Index row = 0; row < plan_.columns(); ++row) {
-      for (Index e = plan_.start()[at(row)]; e < plan_.start()[at(row) + 1]; ++e)
-        column[at(row)] -= values_[at(e)] * of_others[at(plan_.row()[at(e)])];
-    }
-    lu_.solve_transposed(column, u);
+    Vector others(at(plan_.rows()));
+    for (double& share : others) share = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
+    for (const Index i : coordinates()) others[at(i)] = 0.0;
+    Vector u = completed(others);
     double largest = 0.0;
-    for (std::size_t i = 0; i < u.size(); ++i) largest = std::max(largest, std::abs(u[i] += of_others[i]));
+    for (const double value : u) largest = std::max(largest, std::abs(value));
     for (double& value : u) value /= std::max(largest, 1e-300);
     return u;
   }
@@ -104,19 +100,23 @@ class FreeRows {
   }
   /// u (n) with C_x u = 0 that moves x_d and coordinate j.
   [[nodiscard]] Vector motion(Index j) const {
-    Vector column(at(plan_.columns()), 0.0), u(at(plan_.rows()));
-    for (Index row = 0; row < plan_.columns(); ++row) {
-      for (Index e = plan_.start()[at(row)]; e < plan_.start()[at(row) + 1]; ++e) {
-        if (plan_.row()[at(e)] == j) column[at(row)] = values_[at(e)];
-      }
-    }
-    lu_.solve_transposed(column, u);
-    for (double& value : u) value = -value;
-    u[at(j)] = 1.0;
-    return u;
+    Vector others(at(plan_.rows()), 0.0);
+    others[at(j)] = 1.0;
+    return completed(others);
   }
 
  private:
+  /// u (n) with C_x u = 0 that moves the other coordinates as `others`, which is zero at x_d.
+  [[nodiscard]] Vector completed(const Vector& others) const {
+    Vector column(at(plan_.columns()), 0.0), u(at(plan_.rows()));
+    for (Index row = 0; row < plan_.columns(); ++row) {
+      for (Index e = plan_.start()[at(row)]; e < plan_.start()[at(row) + 1]; ++e)
+        column[at(row)] -= values_[at(e)] * others[at(plan_.row()[at(e)])];
+    }
+    lu_.solve_transposed(column, u);
+    for (std::size_t i = 0; i < u.size(); ++i) u[i] += others[i];
+    return u;
+  }
   static double normalize(Vector& vector) {
     double sum = 0.0;
     for (const double value : vector) sum += value * value;

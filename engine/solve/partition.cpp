@@ -251,6 +251,10 @@ void put_first(std::vector<Index>& list, const std::vector<Index>& prescribed) {
 
 }  // namespace
 
+double rank_tolerance_of(const System& system) {
+  return std::max(sparse::RankLuOptions{}.rank_tolerance, system.rank_tolerance());
+}
+
 std::vector<Index> left_out_by(const Partition& partition) {
   std::vector<Index> rows;
   for (const RedundantRow& r : partition.redundant) rows.push_back(r.row);
@@ -282,7 +286,7 @@ Partition choose_partition(const System& system, const State& state, const Presc
     for (const Index i : prescribed.independent)
       holonomic_class[static_cast<std::size_t>(i)] = nonholonomic_class[static_cast<std::size_t>(i)] = 1;
     sparse::RankLuOptions options;
-    options.rank_tolerance = std::max(options.rank_tolerance, system.rank_tolerance());
+    options.rank_tolerance = rank_tolerance_of(system);
     options.row_class = holonomic_class;
     options.late_row_class = nonholonomic_class;
     factor(lu, D.view(), m, options);

@@ -34,6 +34,9 @@ struct Partition {
 /// Chooses at `state`. Throws AnalysisError where the prescribed coordinates cannot be what they shall be.
 Partition choose_partition(const System& system, const State& state, const Prescribed& prescribed = {});
 
+/// Below this part of a row what others do not imply of it is rounding, of arithmetic or of the scene's numbers.
+double rank_tolerance_of(const System& system);
+
 /// The redundant rows, in ascending order.
 std::vector<Index> left_out_by(const Partition& partition);
 

@@ -99,7 +99,7 @@ class Run {
   void project();
   [[nodiscard]] Integrator& integrator() const { return *chosen_.integrator; }
   std::optional<double> step();
-  bool rows_nearly_depend();
+  bool loses_digits();
   void choose_rows_anew(Partition partition, const std::optional<AnalysisError>& why);
   bool follow_without_end(double t);
   std::optional<Events::Hit> begin_segment();
@@ -280,30 +280,30 @@ std::optional<double> Run::step() {
     failed = false;
     state_at(reached, shown_);
     why = dropped_->look(shown_, blocks_);
-    if (!why && !rows_nearly_depend()) return reached;
+    if (!why && !loses_digits()) return reached;
   } catch (const AnalysisError& error) {
     why = error;
   }
   Partition partition = choose_partition(system_, state_);
-  if (partition.rows == dropped_->kept() && why && !failed && dropped_->along_branch(shown_, blocks_)) {
+  const std::vector<Index>& kept = dropped_->kept();
+  if (!why && (partition.rows.size() != kept.size() || partition.rows == kept)) return reached;
+  if (!failed && partition.rows == kept && dropped_->along_branch(shown_, blocks_)) {
     // A long first step away from a singular position: the far end tells the rows.
     choose_after_step_ = *why;
     return reached;
   }
-  if (why && partition.rows.size() > dropped_->kept().size() &&
-      !dropped_->along_branch(failed ? state_ : shown_, blocks_))
+  if (partition.rows.size() > kept.size() && !dropped_->along_branch(failed ? state_ : shown_, blocks_))
     throw AnalysisError(*why);
   choose_rows_anew(std::move(partition), why);
   return std::nullopt;
 }
 
-/// Whether accelerations lose digits and other rows than those that are solved for would keep them.
-bool Run::rows_nearly_depend() {
+/// Whether accelerations lost digits since this was asked and said: other rows may keep them.
+bool Run::loses_digits() {
   const long imprecise = integrator().work().imprecise;
   if (imprecise < look_again_at_) return false;
   look_again_at_ = 2 * imprecise;
-  const std::vector<Index> rows = choose_partition(system_, state_).rows;
-  return rows.size() == dropped_->kept().size() && rows != dropped_->kept();
+  return true;
 }
 
 /// Rows that others implied at the start need not follow from the same ones elsewhere. From state_, the last one with all

@@ -28,17 +28,29 @@ void assemble_start(const System& system, const Options& options, State& state) 
   assemble_start_velocities(system, state, options.equilibrium.hold_x, given_rates(system));
 }
 
+/// Names of the components that list members belong to, each once.
+std::vector<std::string> components_of(const System& system, const std::vector<Index>& list, const auto& component) {
+  std::vector<std::string> names;
+  for (const Index i : list) {
+    const std::string& name = system.component_name(component(i));
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
+/// Of constraint rows.
+std::vector<std::string> joints_of(const System& system, const std::vector<Index>& rows) {
+  return components_of(system, rows, [&](Index i) { return system.constraint(i).component; });
+}
+
 StartNote note_on(const System& system, const NearAssembly& other, bool held) {
   StartNote note{"near assembly", {}, "", ""};
-  std::vector<std::string> ways, joints, same;
+  std::vector<std::string> ways, same;
+  const std::vector<std::string> joints = joints_of(system, other.rows);
   for (const auto& [i, way] : other.coordinates) {
     const Variable& x = system.x[static_cast<std::size_t>(i)];
     note.names.push_back(x.name);
     ways.push_back(x.name + " " + (way < 0.0 ? "" : "+") + digits(way) + (x.unit == "1" ? "" : " " + x.unit));
-  }
-  for (const Index row : other.rows) {
-    const std::string& joint = system.component_name(system.constraint(row).component);
-    if (std::find(joints.begin(), joints.end(), joint) == joints.end()) joints.push_back(joint);
   }
   for (const Index i : other.kept) same.push_back(system.x[static_cast<std::size_t>(i)].name);
   note.found = "two assemblies are near: " + list_of(joints) + " also " + (joints.size() == 1 ? "closes" : "close") +
@@ -63,15 +75,6 @@ StartNote note_on(const System& system, const std::vector<Index>& changed, const
   note.found = "the constraints do not allow the start rates that are given; changed were " + list_of(changes);
   note.remedy = "give rates that agree with each other, or fewer of them: those that nobody gives follow";
   return note;
-}
-
-std::vector<std::string> components_of(const System& system, const std::vector<Index>& list, const auto& component) {
-  std::vector<std::string> names;
-  for (const Index i : list) {
-    const std::string& name = system.component_name(component(i));
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  }
-  return names;
 }
 
 /// Joints that repeat each other and disagree by what System::assembly_tolerance lets pass.
@@ -103,8 +106,7 @@ std::optional<StartNote> note_on_rounding(const System& system, const State& sta
 std::optional<StartNote> singular_note(const System& system, const State& state) {
   const auto singular = find_singular_position(system, state);
   if (!singular) return std::nullopt;
-  const std::string joints = list_of(
-                        components_of(system, singular->rows, [&](Index i) { return system.constraint(i).component; })),
+  const std::string joints = list_of(joints_of(system, singular->rows)),
                     bodies = list_of(components_of(system, singular->coordinates, [&](Index i) {
                       return system.x[static_cast<std::size_t>(i)].component;
                     }));
