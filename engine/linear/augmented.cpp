@@ -147,6 +147,7 @@ AugmentedPencil::AugmentedPencil(const Descriptor& descriptor) : states_(descrip
   const FirstOrderForm form = first_order_form(descriptor);
   const auto assembled = [&](const std::vector<Entry>& entries) {
     std::vector<Eigen::Triplet<double, Index>> triplets;
+    triplets.reserve(entries.size());
     for (const Entry& entry : entries) triplets.emplace_back(entry.row, entry.column, entry.value);
     const auto size = static_cast<Index>(form.states.size());
     Sparse matrix(size, size);
@@ -158,6 +159,7 @@ AugmentedPencil::AugmentedPencil(const Descriptor& descriptor) : states_(descrip
   VectorXd nominal(size());  // x, v, lambda, z
   const auto of_unknowns = Eigen::Map<const VectorXd>(descriptor.nominal().data(), descriptor.size());
   nominal << of_unknowns.head(descriptor.n()), of_unknowns;
+  nominal.segment(descriptor.n(), descriptor.n()) /= descriptor.time();
   scale(E_, A_, nominal);
 }
 

@@ -36,7 +36,7 @@ struct Series {
   std::vector<MatrixXd> value, size;
 };
 
-/// P0, P1, P2 with columns in nominals and rows over their largest entry in any of them.
+/// P0, P1, P2 in the machine's time with columns in nominals, and rows over their largest entry in any of them.
 std::vector<SparseMatrix> scaled_coefficients(const Descriptor& d) {
   std::vector<SparseMatrix> P;
   VectorXd largest = VectorXd::Zero(d.size());
@@ -45,7 +45,7 @@ std::vector<SparseMatrix> scaled_coefficients(const Descriptor& d) {
     const sparse::CscView from = d.coefficient(power);
     const Index entries = from.start[from.columns];
     P.emplace_back(Eigen::Map<const SparseMatrix>(from.rows, from.columns, entries, from.start, from.row, from.value) *
-                   nominal.asDiagonal());
+                   (nominal * std::pow(d.time(), -power)).asDiagonal());
     P.back().prune(0.0, 0.0);
     P.back().makeCompressed();
     for (Index j = 0; j < P.back().cols(); ++j) {

@@ -9,12 +9,13 @@
 namespace bramah {
 namespace {
 
-constexpr double moving = 1e-9;  // change of a coefficient per second, of the largest in its row: below it, none
+constexpr double moving =
+    1e-9;  // change of a coefficient in the machine's time, of the largest in its row: below, none
 
 }  // namespace
 
 Descriptor::Descriptor(const System& system, std::span<const Index> rows)
-    : system_(system), rows_(rows.begin(), rows.end()), blocks_(system) {
+    : system_(system), rows_(rows.begin(), rows.end()), time_(system.scales.time), blocks_(system) {
   const Index n = system.n(), nz = system.nz(), count = static_cast<Index>(rows_.size()), m = system.m(),
               all = n + count + nz;
   holonomic_ = std::count_if(rows_.begin(), rows_.end(), [&](Index row) { return row < m; });
@@ -54,7 +55,7 @@ void Descriptor::find_changes(const State& state) {
   };
   bool falls = false;  // accelerations of an equilibrium are rounding
   for (std::size_t i = 0; i < system_.x.size(); ++i)
-    falls = falls || std::abs(state.a[i]) > moving * system_.x[i].nominal;
+    falls = falls || std::abs(state.a[i]) * time_ * time_ > moving * system_.x[i].nominal;
   const bool in_motion = moves(state.v) || moves(state.zdot);
   if (!in_motion && !falls) return;
   if (in_motion) find_rates(state);
@@ -82,7 +83,7 @@ void Descriptor::find_rates(const State& state) {
     double weights[3] = {};
     weights[power] = 1.0;
     rates.fill(blocks, weights);
-    name_change(rates, " per second");
+    name_change(rates, std::pow(time_, 1.0 - static_cast<double>(power)), " per second");
   }
 }
 
@@ -97,17 +98,24 @@ void Descriptor::find_second_rates(const State& state) {
   if (!blocks_.evaluate(system_, state, Request{}.blocks({BRAMAH_S_X})).ok()) return;
   const double one = 1.0;
   second_rates_.fill(blocks_, {&one, 1});
-  name_change(second_rates_, " per second squared");
+  name_change(second_rates_, time_ * time_, " per second squared");
 }
 
-/// Of the coefficients' rates of change, the first that is not zero.
-void Descriptor::name_change(const SparsePlan& rates, const char* unit) {
-  for (std::size_t e = 0; e < rates.values().size(); ++e) {
-    const Index row = rates.row()[e];
-    if (std::abs(rates.values()[e]) <= moving * largest_[static_cast<std::size_t>(row)]) continue;
-    changing_ = "a coefficient of " + row_name(row) + " changes along the reference motion, by " +
-                digits(rates.values()[e]) + unit;
-    return;
+/// Of the coefficients' rates of change, the first that is not zero in the machine's time; `factor` makes of one with its
+/// unknown in nominals what largest_ has.
+void Descriptor::name_change(const SparsePlan& rates, double factor, const char* unit) {
+  for (Index j = 0; j < rates.columns(); ++j) {
+    for (Index e = rates.start()[static_cast<std::size_t>(j)]; e < rates.start()[static_cast<std::size_t>(j) + 1];
+         ++e) {
+      const Index row = rates.row()[static_cast<std::size_t>(e)];
+      const double rate = rates.values()[static_cast<std::size_t>(e)];
+      if (std::abs(rate) * factor * nominal_[static_cast<std::size_t>(j)] <=
+          moving * largest_[static_cast<std::size_t>(row)])
+        continue;
+      changing_ =
+          "a coefficient of " + row_name(row) + " changes along the reference motion, by " + digits(rate) + unit;
+      return;
+    }
   }
 }
 
@@ -123,19 +131,18 @@ void Descriptor::evaluate(const State& state) {
   if (!outcome.ok())
     throw AnalysisError("linearize", outcome.message, "a state at which every component can be evaluated",
                         "linearize elsewhere");
-  largest_.assign(static_cast<std::size_t>(size()), 0.0);
   for (std::size_t power = 0; power < 3; ++power) {
     double weights[3] = {};
     weights[power] = 1.0;
     plan_.fill(blocks_, weights);
     coefficient_[power].assign(plan_.values().begin(), plan_.values().end());
-    for (std::size_t e = 0; e < coefficient_[power].size(); ++e) {
-      double& largest = largest_[static_cast<std::size_t>(plan_.row()[e])];
-      largest = std::max(largest, std::abs(coefficient_[power][e]));
-    }
   }
+  find_nominals();
   find_changes(state);
+}
 
+/// Of the unknowns, and of what each row says with these in the machine's time.
+void Descriptor::find_nominals() {
   nominal_.assign(static_cast<std::size_t>(size()), 0.0);
   for (std::size_t i = 0; i < system_.x.size(); ++i) nominal_[i] = system_.x[i].nominal;
   for (std::size_t i = 0; i < system_.z.size(); ++i)
@@ -151,7 +158,8 @@ void Descriptor::evaluate(const State& state) {
     }
   };
   const auto entry = [&](std::size_t e) {
-    return std::max({std::abs(coefficient_[0][e]), std::abs(coefficient_[1][e]), std::abs(coefficient_[2][e])});
+    return std::max({std::abs(coefficient_[0][e]), std::abs(coefficient_[1][e]) / time_,
+                     std::abs(coefficient_[2][e]) / (time_ * time_)});
   };
   const auto first_row = static_cast<std::size_t>(n()), last_row = first_row + rows_.size();
   each([&](std::size_t row, std::size_t column, std::size_t e) {
@@ -161,8 +169,8 @@ void Descriptor::evaluate(const State& state) {
   Vector coefficient(static_cast<std::size_t>(size()), 0.0);
   each([&](std::size_t row, std::size_t column, std::size_t e) {
     if (row >= first_row || column < first_row || column >= last_row) return;
-    const double c = std::abs(coefficient_[0][e]);
-    nominal_[column] = std::max(nominal_[column], force[row] * c);
+    const double c = std::abs(coefficient_[0][e]) * nominal_[row];
+    nominal_[column] = std::max(nominal_[column], force[row] * nominal_[row] * c);
     coefficient[column] = std::max(coefficient[column], c);
   });
   // Never rounding beside the forces of others: a thin rod has no inertia about its own axis.
@@ -174,6 +182,11 @@ void Descriptor::evaluate(const State& state) {
   }
   for (std::size_t i = first_row; i < last_row; ++i)
     nominal_[i] = largest > 0.0 ? std::max(nominal_[i], least * largest) : 1.0;
+
+  largest_.assign(static_cast<std::size_t>(size()), 0.0);
+  each([&](std::size_t row, std::size_t column, std::size_t e) {
+    largest_[row] = std::max(largest_[row], entry(e) * nominal_[column]);
+  });
 }
 
 void Descriptor::require_constant() const {

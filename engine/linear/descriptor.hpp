@@ -51,6 +51,8 @@ class Descriptor {
   }
   /// Typical size of each entry of y: nominals of variables; of a multiplier, its row's largest force over that of D.
   [[nodiscard]] const Vector& nominal() const { return nominal_; }
+  /// The machine's own: P0, P1 / time and P2 / time^2 are of one size.
+  [[nodiscard]] double time() const { return time_; }
   /// "crank.angle", "hinge.lambda_x", "V1.p".
   [[nodiscard]] std::string unknown_name(Index i) const;
 
@@ -58,16 +60,18 @@ class Descriptor {
   void find_changes(const State& state);
   void find_rates(const State& state);
   void find_second_rates(const State& state);
-  void name_change(const SparsePlan& rates, const char* unit);
+  void find_nominals();
+  void name_change(const SparsePlan& rates, double factor, const char* unit);
   [[nodiscard]] std::string row_name(Index row) const;
 
   const System& system_;
   std::vector<Index> rows_;
   Index holonomic_ = 0, states_ = 0;
+  double time_ = 1.0;
   Blocks blocks_;
   SparsePlan plan_, second_rates_;  // of P(s); of d2/dt2 C_x, made where it is needed
   Vector coefficient_[3], nominal_;
-  Vector largest_;  // coefficient of each row
+  Vector largest_;  // term of each row, of unknowns in their nominals and the machine's time
   std::string changing_;
 };
 

@@ -32,7 +32,7 @@ class Factors {
   explicit Factors(const Descriptor& descriptor) : descriptor_(descriptor) {}
   bool factor(Scalar s) {
     descriptor_.at(s, values_);
-    if (!lu_.analyzed()) lu_.analyze(descriptor_.view(values_));
+    if (!lu_.analyzed()) lu_.analyze(descriptor_.view(values_), descriptor_.nominal());
     return lu_.factor(descriptor_.view(values_));
   }
   [[nodiscard]] const sparse::BasicKlu<Scalar>& lu() const { return lu_; }
@@ -43,7 +43,7 @@ class Factors {
   sparse::BasicKlu<Scalar> lu_;
 };
 
-/// (sigma E - A)^-1 E on the states X = (x, v, z) in nominals; its eigenvalues are 1 / (sigma - s).
+/// (sigma E - A)^-1 E on the states X = (x, v, z) in nominals, v in those of the machine's time; its eigenvalues are 1 / (sigma - s).
 ///
 ///   P(sigma) (x', lambda', z') = P1 (x, 0, z) + P2 (v + sigma x),   v' = sigma x' - x
 class ShiftInvert {
@@ -99,7 +99,7 @@ class ShiftInvert {
     y.head(n) = X.head(n).cwiseProduct(nominal_.head(n));
     y.tail(nz) = X.tail(nz).cwiseProduct(nominal_.tail(nz));
     Column<T> right = P1_ * y;
-    y.head(n) = shift * y.head(n) + X.segment(n, n).cwiseProduct(nominal_.head(n));
+    y.head(n) = shift * y.head(n) + X.segment(n, n).cwiseProduct(nominal_.head(n)) / d_.time();
     y.tail(nz).setZero();
     right += P2_ * y;
     factors.lu().solve({right.data(), static_cast<std::size_t>(right.size())});
@@ -111,7 +111,7 @@ class ShiftInvert {
     const Index n = d_.n(), nz = d_.nz();
     Column<T> result(X.size());
     result.head(n) = y.head(n).cwiseQuotient(nominal_.head(n));
-    result.segment(n, n) = shift * result.head(n) - X.head(n);
+    result.segment(n, n) = d_.time() * (shift * result.head(n) - X.head(n));
     result.tail(nz) = y.tail(nz).cwiseQuotient(nominal_.tail(nz));
     return result;
   }
@@ -126,15 +126,17 @@ class ShiftInvert {
   mutable int solves_ = 0;
 };
 
-/// Norms of P0, P1, P2 with columns in nominals and each row over its largest entry in any of the three.
+/// Norms of P0, P1, P2 in the machine's time with columns in nominals and each row over its largest entry in any of them.
 struct RowScaled {
   explicit RowScaled(const Descriptor& descriptor) {
     const VectorXd nominal = Eigen::Map<const VectorXd>(descriptor.nominal().data(), descriptor.size());
     VectorXd largest = VectorXd::Zero(descriptor.size());
     const auto each = [&](int power, auto&& visit) {
       const sparse::CscView P = descriptor.coefficient(power);
+      const double per_time = std::pow(descriptor.time(), -power);
       for (Index j = 0; j < P.columns; ++j) {
-        for (Index e = P.start[j]; e < P.start[j + 1]; ++e) visit(P.row[e], std::abs(P.value[e]) * nominal(j));
+        for (Index e = P.start[j]; e < P.start[j + 1]; ++e)
+          visit(P.row[e], std::abs(P.value[e]) * nominal(j) * per_time);
       }
     };
     for (int power = 0; power < 3; ++power)
@@ -154,7 +156,7 @@ double backward_error(const Descriptor& descriptor, const RowScaled& scaled, Com
   const VectorXcd residual =
       coefficient(descriptor, 0) * y + s * (coefficient(descriptor, 1) * y) + s * s * (coefficient(descriptor, 2) * y);
   const VectorXd nominal = Eigen::Map<const VectorXd>(descriptor.nominal().data(), descriptor.size());
-  const double size = std::abs(s);
+  const double size = std::abs(s) * descriptor.time();
   const double terms = scaled.norm[0] + size * (scaled.norm[1] + size * scaled.norm[2]);
   return residual.cwiseProduct(scaled.row).norm() / (terms * y.cwiseQuotient(nominal).norm());
 }
@@ -189,12 +191,13 @@ Complex factor_near(ShiftInvert& op, Complex shift) {
 /// The rate of the slowest motions, |v| / |x| of vectors that the operator has drawn towards them. Three applications
 /// slow a free motion down by three as well: that is as far as a shift should follow it.
 double slow_rate(const Descriptor& descriptor, ShiftInvert& op) {
-  double shift = 1.0;
+  const double time = descriptor.time();
+  double shift = 1.0 / time;
   const Index n = descriptor.n();
   for (int trial = 0; trial < 4 && n > 0; ++trial) {
     shift = factor_near(op, shift).real();
     const VectorXd X = start_vector(op);
-    const double rate = X.segment(n, n).norm() / X.head(n).norm();
+    const double rate = X.segment(n, n).norm() / (X.head(n).norm() * time);
     if (!(rate > 0.0) || !std::isfinite(rate) || (rate < 2.0 * shift && rate > 0.5 * shift)) break;
     const bool slower = rate < shift;
     shift = slower ? std::max(rate, shift / 30.0) : std::min(rate, shift * 1e3);

@@ -48,6 +48,18 @@ Linearizer::Linearizer(const System& system, Partition partition, std::vector<Me
   const Index rows = static_cast<Index>(partition_.rows.size()), m = partition_.holonomic;
   const std::span<const Index> all_rows = partition_.rows;
   const std::vector<Index> x = shifted(n, 0), v = shifted(n, n), zu_columns = shifted(zu, 2 * n);
+  const auto nominals_of = [&](const std::vector<Index>& coordinates) {
+    Vector sizes;
+    for (const Index i : coordinates) sizes.push_back(system.x[static_cast<std::size_t>(i)].nominal);
+    return sizes;
+  };
+  // A coordinate's nominal moves a row by about its size, a rate's likewise in the machine's time.
+  const auto row_sizes = [&](Index count, bool rates) {
+    Vector sizes;
+    for (const Index row : all_rows.first(static_cast<std::size_t>(count)))
+      sizes.push_back(rates ? system.rate_nominal(row) * system.scales.time : system.constraint(row).nominal);
+    return sizes;
+  };
   const std::vector<Index> c = selected(system.m(), all_rows.first(static_cast<std::size_t>(m))),
                            r = selected(system.m() + system.l(), all_rows);
   {
@@ -76,7 +88,7 @@ Linearizer::Linearizer(const System& system, Partition partition, std::vector<Me
     const std::vector<Index> d = selected(n, partition_.d);
     const Term terms[] = {{BRAMAH_C_X, c, d, false, 0}};
     C_xd_ = SparsePlan(system, m, m, terms);
-    lu_C_xd_.analyze(view(C_xd_));
+    lu_C_xd_.analyze(view(C_xd_), nominals_of(partition_.d), row_sizes(m, false));
   }
   {
     std::vector<Index> dd_list = partition_.d;
@@ -84,7 +96,7 @@ Linearizer::Linearizer(const System& system, Partition partition, std::vector<Me
     const std::vector<Index> dd = selected(n, dd_list);
     const Term terms[] = {{BRAMAH_R_V, r, dd, false, 0}};
     D_dd_ = SparsePlan(system, rows, rows, terms);
-    lu_D_dd_.analyze(view(D_dd_));
+    lu_D_dd_.analyze(view(D_dd_), nominals_of(dd_list), row_sizes(rows, true));
   }
   {
     // Component outputs only; variables are picked directly.
@@ -99,9 +111,10 @@ Linearizer::Linearizer(const System& system, Partition partition, std::vector<Me
     y_response_ = SparsePlan(system, system.ny(), n + rows + nz, response);
   }
 
-  const auto add = [](std::vector<NamedQuantity>& list, const Variable& q, const char* kind) {
+  const auto add = [&](std::vector<NamedQuantity>& list, const Variable& q, const char* kind) {
     const bool rate = kind[0] == 'v';
-    list.push_back({q.name + (rate ? ".rate" : ""), rate ? per_second(q.unit) : q.unit, q.nominal, kind});
+    list.push_back({q.name + (rate ? ".rate" : ""), rate ? per_second(q.unit) : q.unit,
+                    rate ? q.nominal / system.scales.time : q.nominal, kind});
   };
   for (const Index i : partition_.ai) add(reduced_states_, system.x[static_cast<std::size_t>(i)], "x_ai");
   for (const Index i : partition_.ai) add(reduced_states_, system.x[static_cast<std::size_t>(i)], "v_ai");
@@ -112,7 +125,8 @@ Linearizer::Linearizer(const System& system, Partition partition, std::vector<Me
     reduced_states_.push_back({q.name, q.unit, q.nominal, q.kind});
     augmented_states_.push_back({q.name, q.unit, q.nominal, q.kind});
   }
-  for (const InputSignal& input : system.inputs) input_names_.push_back({input.name, input.unit});
+  for (const InputSignal& input : system.inputs)
+    input_names_.push_back({input.name, input.unit, system.scales.of(input.unit)});
   for (const Measured& y : outputs_) output_names_.push_back({y.name, y.unit});
 
   for (const Index i : partition_.ai) reduced_rows_.push_back({&Linearizer::moves_, n + i});
@@ -169,13 +183,16 @@ void Linearizer::check_consistent() const {
     name = what + whose.name;
     remedy = mend;
   };
+  const Scales& scales = system_.scales;
   // What a change of one nominal in any variable does to a row is the size of its terms.
   Vector scale(static_cast<std::size_t>(loads_.rows()), 0.0);
   for (Index j = 0; j < loads_.columns(); ++j) {
     const auto column = static_cast<std::size_t>(j);
-    const double nominal = column < 2 * n                      ? system_.x[column % n].nominal
-                           : column < 2 * n + system_.z.size() ? system_.z[column - 2 * n].nominal
-                                                               : 1.0;
+    const std::size_t z = 2 * n, u = z + system_.z.size();
+    const double nominal = column < n   ? system_.x[column].nominal
+                           : column < z ? system_.x[column - n].nominal / scales.time
+                           : column < u ? system_.z[column - z].nominal
+                                        : input_names_[column - u].nominal;
     for (Index e = loads_.start()[column]; e < loads_.start()[column + 1]; ++e) {
       const auto entry = static_cast<std::size_t>(e);
       double& row = scale[static_cast<std::size_t>(loads_.row()[entry])];
@@ -185,19 +202,21 @@ void Linearizer::check_consistent() const {
   constexpr double nothing = 1e-300;
   const std::size_t rows = partition_.rows.size();
   for (std::size_t i = 0; i < n; ++i)
-    look(blocks_.f[i], std::max({scale[i], 1.0}), "Eq. (16), the force balance of ", system_.x[i],
-         "complete the accelerations and multipliers first, or find the equilibrium");
+    look(blocks_.f[i], std::max(scale[i], scales.energy() / system_.x[i].nominal), "Eq. (16), the force balance of ",
+         system_.x[i], "complete the accelerations and multipliers first, or find the equilibrium");
   for (std::size_t i = 0; i < system_.z.size(); ++i)
     look(blocks_.g[i], scale[n + rows + i] + nothing, "Eq. (19), the storage balance of ", system_.z[i],
          "complete the rates of first-order variables first");
   for (std::size_t i = 0; i < system_.holonomic.size(); ++i)
-    look(blocks_.c[i], 1.0, "Eq. (17), the constraint ", system_.holonomic[i], "assemble the positions first");
+    look(blocks_.c[i], system_.holonomic[i].nominal, "Eq. (17), the constraint ", system_.holonomic[i],
+         "assemble the positions first");
   for (std::size_t i = 0; i < rows; ++i) {
     const Index row = partition_.rows[i];
-    look(blocks_.r[static_cast<std::size_t>(row)], 1.0, "Eq. (18), the rate of constraint ", system_.constraint(row),
+    const double rate = system_.rate_nominal(row);
+    look(blocks_.r[static_cast<std::size_t>(row)], rate, "Eq. (18), the rate of constraint ", system_.constraint(row),
          "assemble the velocities first");
-    look(blocks_.s[static_cast<std::size_t>(row)], std::max(1.0, scale[n + i]), "the acceleration of constraint ",
-         system_.constraint(row), "complete the accelerations first");
+    look(blocks_.s[static_cast<std::size_t>(row)], std::max(rate / scales.time, scale[n + i]),
+         "the acceleration of constraint ", system_.constraint(row), "complete the accelerations first");
   }
   if (name.empty()) return;
   throw AnalysisError("linearize", name + " is violated by " + digits(found),

@@ -17,8 +17,8 @@ namespace {
 // method only loses a digit per step by it, and the solution is untouched.
 constexpr double regularization = 1e-11;
 constexpr int most_iterations = 100;
-constexpr double position_tolerance = 1e-14;  // in the unit of the row (m, rad, 1), times the terms' size
-constexpr double velocity_tolerance = 1e-10;  // per second alike
+constexpr double position_tolerance = 1e-14;  // of the size of a row, times that of the terms
+constexpr double velocity_tolerance = 1e-10;  // of the size of its rate alike
 // Of the weights of rates that nobody gave: small beside 1, and no smaller than the factorization bears.
 constexpr double follows = 1e-8;
 
@@ -30,7 +30,7 @@ class NearestPoint {
                std::span<const Index> given = {})
       : n_(system.n()), rows_(rows.begin(), rows.end()), weights_(system.x.size(), given.empty() ? 1.0 : follows) {
     for (const Index i : given) weights_[static_cast<std::size_t>(i)] = 1.0;
-    for (std::size_t i = 0; i < weights_.size(); ++i) weights_[i] /= system.x[i].nominal * system.x[i].nominal;
+    for (std::size_t i = 0; i < weights_.size(); ++i) weights_[i] /= system.x[i].size * system.x[i].size;
     std::vector<Index> free = shifted(n_, 0);
     for (const Index i : fixed) free[static_cast<std::size_t>(i)] = -1;  // their columns of D vanish
     const auto count = static_cast<Index>(rows.size());
@@ -38,9 +38,14 @@ class NearestPoint {
     const Index all = block == BRAMAH_C_X ? system.m() : system.m() + system.l();
     const std::vector<Index> constraints = selected(all, rows, n_);
     const Term terms[] = {{block, constraints, free, false, 0}, {block, constraints, free, true, 0}};
-    const Diagonal diagonals[] = {{0, 0, n_, 0, weights_}, {n_, n_, count, 1, {}}};
+    Vector squares;
+    for (const Index row : rows) squares.push_back(std::pow(system.constraint(row).nominal, 2));
+    const Diagonal diagonals[] = {{0, 0, n_, 0, weights_}, {n_, n_, count, 1, squares}};
     plan_ = SparsePlan(system, size_, size_, terms, diagonals);
-    lu_.analyze({size_, size_, plan_.start().data(), plan_.row().data(), plan_.values().data()});
+    Vector sizes;  // of the correction, and of its multipliers
+    for (const Variable& variable : system.x) sizes.push_back(variable.nominal);
+    for (const Index row : rows) sizes.push_back(1.0 / system.constraint(row).nominal);
+    lu_.analyze({size_, size_, plan_.start().data(), plan_.row().data(), plan_.values().data()}, std::move(sizes));
     rhs_.resize(static_cast<std::size_t>(size_));
   }
   [[nodiscard]] const std::vector<Index>& rows() const { return rows_; }
@@ -69,15 +74,6 @@ std::string place_of(const System& system, const Outcome& outcome) {
   return outcome.component < 0 ? "" : "/components/" + system.component_name(outcome.component);
 }
 
-/// The first of the rows that are largest but for rounding: messages shall not depend on the last digit.
-Index worst(const Vector& rows) {
-  double largest = 0.0;
-  for (const double row : rows) largest = std::max(largest, std::abs(row));
-  const auto it =
-      std::find_if(rows.begin(), rows.end(), [&](double row) { return std::abs(row) >= (1.0 - 1e-6) * largest; });
-  return it == rows.end() ? -1 : it - rows.begin();
-}
-
 std::string with_unit(double value, const std::string& unit) { return digits(value) + (unit == "1" ? "" : " " + unit); }
 
 std::string names_of(const System& system, std::span<const Index> coordinates) {
@@ -86,10 +82,29 @@ std::string names_of(const System& system, std::span<const Index> coordinates) {
   return names;
 }
 
-double size_of(const Vector& rows) {
+double largest_of(const Vector& rows) {
   double largest = 0.0;
   for (const double row : rows) largest = std::max(largest, std::abs(row));
   return largest;
+}
+
+/// Rows of c over their sizes, rows of r over those of their rates.
+double part_of(const System& system, const Vector& c, std::size_t row) {
+  return std::abs(c[row]) / system.constraint(static_cast<Index>(row)).nominal;
+}
+double rate_part_of(const System& system, const Vector& r, std::size_t row) {
+  return std::abs(r[row]) / system.rate_nominal(static_cast<Index>(row));
+}
+
+/// The first of the rows that are largest over their size but for rounding: messages shall not depend on the last digit.
+template <class PartOf>
+Index worst(const System& system, const Vector& rows, PartOf&& part) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < rows.size(); ++i) largest = std::max(largest, part(system, rows, i));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (part(system, rows, i) >= (1.0 - 1e-6) * largest) return static_cast<Index>(i);
+  }
+  return -1;
 }
 
 /// The row that is open most and those that are half as open, for contradictions spread over all rows that take part.
@@ -108,26 +123,37 @@ std::string open_rows(const System& system, const Vector& c, Index most) {
          (count == 0 ? " stays" : " stay") + " open by " + (count == 0 ? "" : "up to ") + with_unit(gap, first.unit);
 }
 
-/// What rounding of positions is relative to.
-double position_scale(const State& state) {
+/// What rounding of positions is relative to, in the machine's own sizes: machines may be far away.
+double position_scale(const System& system, const State& state) {
   double scale = 1.0;
-  for (const double x : state.x) scale = std::max(scale, std::abs(x));
+  for (std::size_t i = 0; i < system.x.size(); ++i) scale = std::max(scale, std::abs(state.x[i]) / system.x[i].nominal);
   return scale;
 }
 
-/// What Newton's method may leave of a row.
-double closed(const State& state) { return 1e3 * position_tolerance * position_scale(state); }
+/// What Newton's method may leave of a row, of its size.
+double closed(const System& system, const State& state) {
+  return 1e3 * position_tolerance * position_scale(system, state);
+}
 
 /// What rounding of rates is relative to.
-double rate_scale(const State& state) {
+double rate_scale(const System& system, const State& state) {
   double scale = 1.0;
-  for (const double v : state.v) scale = std::max(scale, std::abs(v));
+  for (std::size_t i = 0; i < system.x.size(); ++i)
+    scale = std::max(scale, std::abs(state.v[i]) * system.scales.time / system.x[i].nominal);
   return scale;
 }
 
-double size_of(const Vector& c, std::span<const Index> rows) {
+/// The largest row of c over its size.
+double size_of(const System& system, const Vector& c, std::span<const Index> rows) {
   double largest = 0.0;
-  for (const Index row : rows) largest = std::max(largest, std::abs(c[static_cast<std::size_t>(row)]));
+  for (const Index row : rows) largest = std::max(largest, part_of(system, c, static_cast<std::size_t>(row)));
+  return largest;
+}
+
+/// The largest row of r over the size of its rate.
+double rate_size_of(const System& system, const Vector& r, std::span<const Index> rows) {
+  double largest = 0.0;
+  for (const Index row : rows) largest = std::max(largest, rate_part_of(system, r, static_cast<std::size_t>(row)));
   return largest;
 }
 
@@ -170,7 +196,7 @@ void look_for_contradiction(const System& system, State state, const Vector& sta
   Blocks blocks(system);
   const std::span<const Index> independent(partition.rows.data(), static_cast<std::size_t>(partition.holonomic));
   if (sets.empty() || !close_positions(system, state, independent, fixed, blocks)) return;
-  const Row& open = system.constraint(worst(blocks.c));
+  const Row& open = system.constraint(worst(system, blocks.c, part_of));
   const std::string& joint = system.component_name(open.component);
   const auto set = std::find_if(sets.begin(), sets.end(), [&](const RedundantSet& s) {
     return std::binary_search(s.components.begin(), s.components.end(), open.component);
@@ -178,18 +204,19 @@ void look_for_contradiction(const System& system, State state, const Vector& sta
   if (set == sets.end()) return;
   throw AnalysisError("assembly",
                       set->joints + " are redundant and inconsistent: when the others close, " + open.name +
-                          " stays open by " + with_unit(size_of(blocks.c), open.unit),
+                          " stays open by " + with_unit(largest_of(blocks.c), open.unit),
                       "joints that agree where they support the same direction",
                       "correct the points and axes of " + joint + " or of the others, or replace " + joint +
                           " by a joint that leaves this direction free",
                       "/components/" + joint);
 }
 
-/// The correction of v, repeated until it no longer helps; the largest |r| that is left of the rows that shall close. Linear
+/// The correction of v, repeated until it no longer helps; the largest |r| that is left of the rows that shall close, over
+/// the size of its rate. Linear
 /// in v: this is rounding or a contradiction.
 double close_velocities(const System& system, State& state, NearestPoint& nearest, Blocks& blocks) {
   const Request request = Request{}.rows("r").blocks({BRAMAH_R_V});
-  const double scale = rate_scale(state);
+  const double scale = rate_scale(system, state);
   double before = HUGE_VAL;
   for (int iteration = 0;; ++iteration) {
     const Outcome outcome = blocks.evaluate(system, state, request);
@@ -197,7 +224,7 @@ double close_velocities(const System& system, State& state, NearestPoint& neares
       throw AnalysisError("assembly", outcome.message, "constraints that can be evaluated at the start values",
                           "check the start values", place_of(system, outcome));
     }
-    const double residual = size_of(blocks.r, nearest.rows());
+    const double residual = rate_size_of(system, blocks.r, nearest.rows());
     if (residual <= 1e-15 * scale || residual >= 0.5 * before || iteration == most_iterations) return residual;
     before = residual;
     const std::span<const double> step = nearest.solve(blocks, blocks.r);
@@ -238,7 +265,7 @@ bool follow(const System& system, State& state, std::span<const Index> fixed, st
   const Vector start = state.v;
   const auto closes = [&](std::span<const Index> held, std::span<const Index> leading) {
     NearestPoint nearest(system, rows, BRAMAH_R_V, held, leading);
-    if (close_velocities(system, state, nearest, blocks) <= exactly * velocity_tolerance * rate_scale(state))
+    if (close_velocities(system, state, nearest, blocks) <= exactly * velocity_tolerance * rate_scale(system, state))
       return true;
     state.v = start;
     return false;
@@ -264,8 +291,8 @@ bool close_positions(const System& system, State& state, std::span<const Index> 
     }
   };
   evaluate();
-  double residual = size_of(blocks.c, rows);
-  const double scale = position_scale(state);
+  double residual = size_of(system, blocks.c, rows);
+  const double scale = position_scale(system, state);
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     if (residual <= position_tolerance * scale) return true;
     const std::span<const double> step = nearest.solve(blocks, blocks.c);
@@ -277,16 +304,16 @@ bool close_positions(const System& system, State& state, std::span<const Index> 
       for (std::size_t i = 0; i < step.size(); ++i) state.x[i] = before[i] + factor * step[i];
       for (const Index i : fixed) state.x[static_cast<std::size_t>(i)] = before[static_cast<std::size_t>(i)];
       evaluate();
-      better = size_of(blocks.c, rows) < residual;
+      better = size_of(system, blocks.c, rows) < residual;
     }
     if (!better) {  // rounding, or a contradiction
       state.x = before;
       evaluate();
       break;
     }
-    residual = size_of(blocks.c, rows);
+    residual = size_of(system, blocks.c, rows);
   }
-  return residual <= closed(state);
+  return residual <= closed(system, state);
 }
 
 namespace {
@@ -319,7 +346,7 @@ void assemble(const System& system, State& state, std::span<const Index> fixed, 
   if (close_positions(system, state, shifted(system.m(), 0), fixed, blocks, given) ||
       leave_rounding(system, state, fixed, given, blocks))
     return;
-  const Index row = worst(blocks.c);
+  const Index row = worst(system, blocks.c, part_of);
   const Row& open = system.constraint(row);
   const std::string gap = open_rows(system, blocks.c, row);
   look_for_two_sides(system, state, fixed);
@@ -389,13 +416,13 @@ void assemble_rates(const System& system, State& state, std::span<const Index> f
                     Blocks& blocks) {
   const std::vector<Index> rows = shifted(system.m() + system.l(), 0);
   NearestPoint nearest(system, rows, BRAMAH_R_V, fixed, given);
-  if (close_velocities(system, state, nearest, blocks) <= velocity_tolerance * rate_scale(state)) return;
+  if (close_velocities(system, state, nearest, blocks) <= velocity_tolerance * rate_scale(system, state)) return;
   if (rates_within_tolerance(system, state, blocks.r)) {
     NearestPoint of_independent(system, choose_partition(system, state).rows, BRAMAH_R_V, fixed, given);
     static_cast<void>(close_velocities(system, state, of_independent, blocks));
     return;
   }
-  const Index row = worst(blocks.r);
+  const Index row = worst(system, blocks.r, rate_part_of);
   const Row& moving = system.constraint(row);
   const std::string rate = "the constraint " + moving.name + " opens at a rate of " +
                            digits(std::abs(blocks.r[static_cast<std::size_t>(row)])) +
@@ -424,24 +451,26 @@ void assemble_start_velocities(const System& system, State& state, std::span<con
   assemble_rates(system, state, fixed, given, blocks);
 }
 
-bool leaves_rounding(const State& state, const Vector& c) { return size_of(c) > closed(state); }
+bool leaves_rounding(const System& system, const State& state, const Vector& c) {
+  return size_of(system, c, shifted(system.m(), 0)) > closed(system, state);
+}
 
 void close_independent_rows(const System& system, State& state, const Partition& partition, Blocks& blocks) {
   if (partition.rows.empty()) return;
   const std::span<const Index> holonomic(partition.rows.data(), static_cast<std::size_t>(partition.holonomic));
   if (!close_positions(system, state, holonomic, {}, blocks)) assemble_positions(system, state);
   NearestPoint nearest(system, partition.rows, BRAMAH_R_V, {});
-  if (close_velocities(system, state, nearest, blocks) > velocity_tolerance * rate_scale(state))
+  if (close_velocities(system, state, nearest, blocks) > velocity_tolerance * rate_scale(system, state))
     assemble_velocities(system, state);
 }
 
 Violation constraint_violation(const System& system, const State& state, Blocks& blocks) {
   Violation violation;
   blocks.evaluate(system, state, Request{}.rows("cr"));
-  violation.position_row = worst(blocks.c);
-  violation.velocity_row = worst(blocks.r);
-  violation.position = size_of(blocks.c);
-  violation.velocity = size_of(blocks.r);
+  violation.position_row = worst(system, blocks.c, part_of);
+  violation.velocity_row = worst(system, blocks.r, rate_part_of);
+  violation.position = largest_of(blocks.c);
+  violation.velocity = largest_of(blocks.r);
   return violation;
 }
 

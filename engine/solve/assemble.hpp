@@ -34,7 +34,7 @@ void assemble_start_velocities(const System& system, State& state, std::span<con
 
 /// Whether rows c at an assembled state are open by more than their own rounding: joints that repeat each other but for the
 /// rounding of their data, and System::assembly_tolerance has let pass.
-bool leaves_rounding(const State& state, const Vector& c);
+bool leaves_rounding(const System& system, const State& state, const Vector& c);
 
 /// Moves x, then v, to the nearest where the independent rows of `partition` close, the others as far as these imply them.
 /// Throws AnalysisError.

@@ -82,7 +82,7 @@ Balance::Balance(const System& system, const EquilibriumOptions& options, State&
 /// Rows that repeat each other and disagree by rounding cannot all be closed better than they are at the assembled start.
 void Balance::take_assembly() {
   rounded_ = system_.m() > 0 && blocks_.evaluate(system_, state_, Request{}.rows("c")).ok() &&
-             leaves_rounding(state_, blocks_.c);
+             leaves_rounding(system_, state_, blocks_.c);
 }
 
 bool Balance::evaluate(bool with_matrix) {

@@ -26,11 +26,11 @@ DroppedRows::DroppedRows(const System& system, Partition partition, const State&
   Blocks blocks(system);
   const bool known = blocks.evaluate(system, start, Request{}.rows("cr")).ok();
   for (const RedundantRow& r : partition_.redundant) {
-    const double size = part_ * system.constraint(r.row).nominal;
     const bool holonomic = r.row < system.m();
     // A start is assembled within a tolerance of its own.
-    rows_.push_back(holonomic ? size + (known ? 2.0 * std::abs(blocks.c[at(r.row)]) : 0.0) : 0.0);
-    rates_.push_back(size / system.scales.time + (known ? 2.0 * std::abs(blocks.r[at(r.row)]) : 0.0));
+    const double open = holonomic && known ? std::abs(blocks.c[at(r.row)]) : 0.0;
+    rows_.push_back(holonomic ? part_ * system.constraint(r.row).nominal + 2.0 * open : 0.0);
+    rates_.push_back(part_ * system.rate_nominal(r.row) + (known ? 2.0 * std::abs(blocks.r[at(r.row)]) : 0.0));
   }
 }
 

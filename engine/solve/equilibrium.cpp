@@ -153,7 +153,7 @@ class Search {
     result_.free_directions = balance_->free_directions();
     if (balance_->multipliers_undetermined()) {
       const Partition partition = choose_partition(system_, state);
-      take_minimum_norm(partition, state.lambda);
+      take_minimum_norm(system_, partition, state.lambda);
       result_.redundancy = describe_redundancy(system_, state, partition);
     }
     std::fill(state.a.begin(), state.a.end(), 0.0);
@@ -165,7 +165,7 @@ class Search {
 
   void note_moves(const State& state) {
     const auto add = [&](const Variable& variable, double from, double to, bool coordinate) {
-      const double far = std::abs(to - from) / variable.nominal;
+      const double far = std::abs(to - from) / variable.size;
       if (far <= notable) return;
       result_.moved.push_back({variable.name, variable.unit, from, to, far, coordinate, variable.start_given});
     };

@@ -21,15 +21,14 @@ constexpr double resolution = 1e-13;
 double size_of(const System& system, const Measured& of) {
   const Scales& scales = system.scales;
   const double time = scales.time;
-  const auto variable = [&](const Variable& x) { return x.unit == "m" ? scales.length : x.nominal; };
   const auto i = static_cast<std::size_t>(of.index);
   switch (of.kind) {
-    case Measured::Kind::x: return variable(system.x[i]);
-    case Measured::Kind::v: return variable(system.x[i]) / time;
-    case Measured::Kind::a: return variable(system.x[i]) / (time * time);
-    case Measured::Kind::z: return variable(system.z[i]);
-    case Measured::Kind::zdot: return variable(system.z[i]) / time;
-    case Measured::Kind::lambda: return of.unit == "N" ? scales.force() : scales.energy();
+    case Measured::Kind::x: return system.x[i].nominal;
+    case Measured::Kind::v: return system.x[i].nominal / time;
+    case Measured::Kind::a: return system.x[i].nominal / (time * time);
+    case Measured::Kind::z: return system.z[i].nominal;
+    case Measured::Kind::zdot: return system.z[i].nominal / time;
+    case Measured::Kind::lambda: return system.multiplier_nominal(of.index);
     case Measured::Kind::y: return system.outputs[i].nominal;
     case Measured::Kind::input: return 0.0;
     case Measured::Kind::energy: return scales.energy();

@@ -5,14 +5,14 @@
 //
 // the step itself goes with auxiliary accelerations alpha and auxiliary rates w, which lag behind a and zdot,
 //
-//   x_{n+1} = x_n + h v_n + h^2 ((1/2 - beta) alpha_n + beta alpha_{n+1}) - C_x^T mu
+//   x_{n+1} = x_n + h v_n + h^2 ((1/2 - beta) alpha_n + beta alpha_{n+1}) - W C_x^T mu
 //   v_{n+1} = v_n + h ((1 - gamma) alpha_n + gamma alpha_{n+1})
 //   (1 - alpha_m) alpha_{n+1} + alpha_m alpha_n = (1 - alpha_f) a_{n+1} + alpha_f a_n
 //
 //   z_{n+1} = z_n + h ((1 - gamma) w_n + gamma w_{n+1})
 //   (1 - alpha_m) w_{n+1} + alpha_m w_n = (1 - alpha_f) zdot_{n+1} + alpha_f zdot_n
 //
-// with numbers alpha_m, alpha_f, gamma of their own for x and for z, all from one rho_infinity:
+// W: squares of the nominals of x. Numbers alpha_m, alpha_f, gamma of their own for x and for z, all from one rho_infinity:
 // Chung and Hulbert (1993); Jansen, Whiting and Hulbert (2000); constraints as Arnold and Bruels (2007).
 #include <algorithm>
 #include <cmath>
@@ -41,6 +41,7 @@ constexpr double worth_a_matrix = 8.0;
 constexpr double tiny_remainder = 1e-9;  // of a step; what is left before the end of a segment joins the step before
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+double square(double value) { return value * value; }
 
 /// The numbers of one family of variables, for weights of t_{n+1} that are 1 - alpha as in the equations above.
 struct Weights {
@@ -168,16 +169,25 @@ void GeneralizedAlpha::lay_out() {
   rhs_.resize(at(size_));
   since_fresh_.resize(at(size_));
   noise_.resize(at(size_));
-  // Unknowns over their nominals; a multiplier over the force that changes the rate of 1 kg by 1 m/s in a step.
+  // Unknowns over their nominals; a multiplier over the force that changes the machine's own speed by itself in a step.
   scale_.assign(at(size_), 1.0);
-  for (Index i = 0; i < n_; ++i) scale_[at(i)] = scale_[at(n_ + i)] = system_.x[at(i)].nominal;
+  const double time = system_.scales.time, steps = time * second_.rate_by_variable(step_);
+  for (Index i = 0; i < n_; ++i) {
+    scale_[at(i)] = system_.x[at(i)].nominal;
+    scale_[at(n_ + i)] = system_.x[at(i)].nominal / time;
+  }
   for (Index i = 0; i < nz_; ++i) scale_[at(2 * n_ + i)] = system_.z[at(i)].nominal;
-  const double force = second_.rate_by_variable(step_);
-  std::fill_n(scale_.begin() + 2 * n_ + nz_, rows_.size(), force);
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    scale_[at(2 * n_ + nz_) + k] = system_.multiplier_nominal(rows_[k]) * steps;
+    if (k < at(holonomic_)) scale_[at(2 * n_ + nz_) + rows_.size() + k] = 1.0 / system_.constraint(rows_[k]).nominal;
+  }
   column_scale_.resize(at(matrix_.nonzeros()));
   values_.resize(column_scale_.size());
   for (Index j = 0; j < size_; ++j) {
-    for (Index e = matrix_.start()[at(j)]; e < matrix_.start()[at(j) + 1]; ++e) column_scale_[at(e)] = scale_[at(j)];
+    for (Index e = matrix_.start()[at(j)]; e < matrix_.start()[at(j) + 1]; ++e) {
+      const bool of_mu = j >= 2 * n_ + nz_ + static_cast<Index>(rows_.size());
+      column_scale_[at(e)] = scale_[at(j)] * (of_mu ? square(scale_[at(matrix_.row()[at(e)])]) : 1.0);
+    }
   }
   lu_.analyze({size_, size_, matrix_.start().data(), matrix_.row().data(), values_.data()});
 }
@@ -254,7 +264,7 @@ void GeneralizedAlpha::predict(Guess guess) {
     next_.x[i] = x_explicit_[i] + h_ * h_ * second_.beta * next_alpha_[i];
     next_.v[i] = last_.v[i] + h_ * ((1.0 - second_.gamma) * alpha_[i] + second_.gamma * next_alpha_[i]);
     weight_[i] = 1.0 / std::max(system_.x[i].nominal, std::abs(last_.x[i]));
-    weight_[at(n_) + i] = 1.0 / std::max(system_.x[i].nominal, std::abs(last_.v[i]));
+    weight_[at(n_) + i] = 1.0 / std::max(system_.x[i].nominal / system_.scales.time, std::abs(last_.v[i]));
   }
   for (std::size_t i = 0; i < at(nz_); ++i) {
     if (rates) next_w_[i] = first_.lagging(w_[i], last_.zdot[i], last_.zdot[i]);
@@ -349,7 +359,8 @@ bool GeneralizedAlpha::evaluate_rows() {
   for (std::size_t i = 0; i < at(n_); ++i) rhs_[i] = x_explicit_[i] + h2_beta * next_alpha_[i] - next_.x[i];
   for (Index k = 0; k < holonomic_; ++k) {
     for (Index e = C_transposed_.start()[at(k)]; e < C_transposed_.start()[at(k) + 1]; ++e)
-      rhs_[at(C_transposed_.row()[at(e)])] -= C_transposed_.values()[at(e)] * mu_[at(k)];
+      rhs_[at(C_transposed_.row()[at(e)])] -=
+          C_transposed_.values()[at(e)] * square(scale_[at(C_transposed_.row()[at(e)])]) * mu_[at(k)];
   }
   double* out = rhs_.data() + n_;
   for (const double f : blocks_.f) *out++ = -f;

@@ -1,9 +1,10 @@
 // IDA on the stabilized index-2 form of Gear, Gupta and Leimkuhler, with the exact sparse Jacobian.
 //
-//   xdot - v + C_x^T mu = 0      f(t, x, v, vdot, z, lambda, u) = 0      g(t, x, v, z, zdot, u) = 0
+//   xdot - v + W C_x^T mu = 0    f(t, x, v, vdot, z, lambda, u) = 0      g(t, x, v, z, zdot, u) = 0
 //   r(t, x, v) = 0               c(t, x) = 0
 //
-// Positions and velocities both satisfy their constraints at every step; mu is zero on the exact solution.
+// Positions and velocities both satisfy their constraints at every step; mu is zero on the exact solution. W: squares of the
+// coordinates' nominals, which make metres and radians comparable.
 #include <ida/ida.h>
 #include <sunmatrix/sunmatrix_sparse.h>
 
@@ -28,9 +29,11 @@ using sundials::data;
 
 // Multipliers take no part in the error test, and must not stall Newton's method either: they follow from the rest.
 constexpr double multiplier_slack = 1e6;
-constexpr double first_step = 1e-6;  // s, after every start; IDA's own guess is too bold for index 2
+constexpr double first_step =
+    1e-6;  // of the machine's time, after every start; IDA's own guess is too bold for index 2
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+double square(double value) { return value * value; }
 
 /// Unknowns y = (x, v, z, lambda, mu), each over its nominal, and rows in the order of the equations above.
 class Ida final : public Integrator {
@@ -139,12 +142,17 @@ void Ida::make_plans() {
 void Ida::make_scales() {
   scale_ = scaled_.scale();
   scale_.resize(at(size_), 1.0);
-  for (Index i = 0; i < rows_; ++i)
-    scale_[at(2 * n_ + nz_ + i)] = std::max(1.0, std::abs(state_.lambda[at(partition_.rows[at(i)])]));
+  for (Index i = 0; i < rows_; ++i) {
+    const Index row = partition_.rows[at(i)];
+    scale_[at(2 * n_ + nz_ + i)] = std::max(system_.multiplier_nominal(row), std::abs(state_.lambda[at(row)]));
+    if (i < holonomic_)
+      scale_[at(2 * n_ + nz_ + rows_ + i)] = 1.0 / (system_.constraint(row).nominal * system_.scales.time);
+  }
+  const Index mu = 2 * n_ + nz_ + rows_;
   column_scale_.resize(at(jacobian_.nonzeros()));
   for (Index j = 0; j < size_; ++j) {
     for (Index e = jacobian_.start()[at(j)]; e < jacobian_.start()[at(j) + 1]; ++e)
-      column_scale_[at(e)] = scale_[at(j)];
+      column_scale_[at(e)] = scale_[at(j)] * (j < mu ? 1.0 : square(scale_[at(jacobian_.row()[at(e)])]));
   }
 }
 
@@ -191,11 +199,13 @@ int Ida::residual(double t, const double* y, const double* yp, double* out) {
   }
   const double one = 1.0;
   C_transposed_.fill(blocks_, {&one, 1});
-  for (Index i = 0; i < n_; ++i) out[i] = (yp[i] - y[n_ + i]) * scale_[at(i)];
+  for (Index i = 0; i < n_; ++i) out[i] = yp[i] * scale_[at(i)] - y[n_ + i] * scale_[at(n_ + i)];
   const double* mu = y + 2 * n_ + nz_ + rows_;
   for (Index k = 0; k < holonomic_; ++k) {
     for (Index e = C_transposed_.start()[at(k)]; e < C_transposed_.start()[at(k) + 1]; ++e)
-      out[C_transposed_.row()[at(e)]] += C_transposed_.values()[at(e)] * mu[k];
+      out[C_transposed_.row()[at(e)]] += C_transposed_.values()[at(e)] *
+                                         square(scale_[at(C_transposed_.row()[at(e)])]) *
+                                         scale_[at(2 * n_ + nz_ + rows_ + k)] * mu[k];
   }
   std::copy_n(blocks_.f.begin(), n_, out + n_);
   std::copy_n(blocks_.g.begin(), nz_, out + 2 * n_);
@@ -281,7 +291,7 @@ void Ida::begin(const State& state, double end) {
     past_ = work();
     check(IDAReInit(ida_, t_, y_.get(), yp_.get()), "IDAReInit");
   }
-  check(IDASetInitStep(ida_, std::min(first_step, 1e-3 * (end - t_))), "IDASetInitStep");
+  check(IDASetInitStep(ida_, std::min(first_step * system_.sizes.time, 1e-3 * (end - t_))), "IDASetInitStep");
   check(IDASetStopTime(ida_, end), "IDASetStopTime");
 }
 

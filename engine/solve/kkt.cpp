@@ -21,6 +21,10 @@ Kkt::Kkt(const System& system, std::span<const Index> rows, std::vector<double> 
     : system_(system), rows_(rows.begin(), rows.end()), softness_(std::move(softness)) {
   const Index n = system.n(), nz = system.nz(), count = static_cast<Index>(rows_.size());
   size_ = n + count + nz;
+  const double time = system.scales.time;
+  for (const Variable& variable : system.x) sizes_.push_back(variable.nominal / (time * time));
+  for (const Index row : rows_) sizes_.push_back(system.multiplier_nominal(row));
+  for (const Variable& variable : system.z) sizes_.push_back(variable.nominal / time);
   const std::vector<Index> x = shifted(n, 0), z = shifted(nz, n + count),
                            constraints = selected(system.m() + system.l(), rows_, n);
   const Term terms[] = {{BRAMAH_F_A, x, x, false, 0},
@@ -30,7 +34,7 @@ Kkt::Kkt(const System& system, std::span<const Index> rows, std::vector<double> 
   std::vector<Diagonal> diagonals;
   if (!softness_.empty()) diagonals.push_back({n, n, count, 1, softness_});
   plan_ = SparsePlan(system, size_, size_, terms, diagonals);
-  lu_.analyze({size_, size_, plan_.start().data(), plan_.row().data(), plan_.values().data()});
+  lu_.analyze({size_, size_, plan_.start().data(), plan_.row().data(), plan_.values().data()}, sizes_);
   for (Vector* vector : {&rhs_, &correction_, &terms_}) vector->resize(static_cast<std::size_t>(size_));
   diagonal_.assign(static_cast<std::size_t>(size_), -1);
   for (Index j = 0; j < size_; ++j) {
@@ -133,28 +137,33 @@ void Kkt::find_residual(std::span<const double> solution, std::span<const double
   for (std::size_t i = 0; i < solution.size(); ++i) correction_[i] = static_cast<double>(sum_[i]);
 }
 
-/// What the largest terms of `terms_` would give alone, as accelerations, multipliers and rates. At rest accelerations are
-/// what rounding of the multipliers leaves, and have no size of their own.
+/// What the largest terms of `terms_` would give alone, as accelerations, multipliers and rates in their sizes. At rest
+/// accelerations are what rounding of the multipliers leaves, and have no size of their own.
 std::array<double, 3> Kkt::sizes_of_terms() const {
   const auto n = static_cast<std::size_t>(system_.n()), rows = rows_.size();
   const double* value = plan_.values().data();
   std::array<double, 3> sizes{};
-  double force = 0.0, arm = 0.0;
+  double work = 0.0, arm = 0.0;  // of terms along the coordinates' nominals
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     if (i >= n && i < n + rows) continue;
-    if (i < n) force = std::max(force, terms_[i]);
+    if (i < n) work = std::max(work, terms_[i] * system_.x[i].nominal);
     const double diagonal = diagonal_[i] >= 0 ? std::abs(value[diagonal_[i]]) : 0.0;
     double& size = sizes[i < n ? 0 : 2];
-    if (diagonal > 0.0) size = std::max(size, terms_[i] / diagonal);
+    if (diagonal > 0.0) size = std::max(size, terms_[i] / (diagonal * sizes_[i]));
   }
-  const Index* start = plan_.start().data();
-  for (Index e = rows > 0 ? start[n] : 0; rows > 0 && e < start[n + rows]; ++e) arm = std::max(arm, std::abs(value[e]));
-  if (arm > 0.0) sizes[1] = force / arm;
+  const Index *start = plan_.start().data(), *row = plan_.row().data();
+  for (std::size_t j = n; j < n + rows; ++j) {
+    for (Index e = start[j]; e < start[j + 1]; ++e) {
+      const auto i = static_cast<std::size_t>(row[e]);
+      if (i < n) arm = std::max(arm, std::abs(value[e]) * system_.x[i].nominal * sizes_[j]);
+    }
+  }
+  if (arm > 0.0) sizes[1] = work / arm;
   return sizes;
 }
 
 /// The largest of `correction_` relative to the largest of `solution` or the size that it has at least: of accelerations,
-/// multipliers and rates.
+/// multipliers and rates, in their sizes.
 double Kkt::relative_correction(std::span<const double> solution, const std::array<double, 3>& least) const {
   const auto n = static_cast<std::size_t>(system_.n());
   const std::size_t ends[] = {n, n + rows_.size(), solution.size()};
@@ -163,8 +172,8 @@ double Kkt::relative_correction(std::span<const double> solution, const std::arr
   for (std::size_t group = 0; group < 3; ++group) {
     double correction = 0.0, size = least[group];
     for (; i < ends[group]; ++i) {
-      correction = std::max(correction, std::abs(correction_[i]));
-      size = std::max(size, std::abs(solution[i]));
+      correction = std::max(correction, std::abs(correction_[i]) / sizes_[i]);
+      size = std::max(size, std::abs(solution[i]) / sizes_[i]);
     }
     if (correction > 0.0) result = std::max(result, correction / std::max(size, correction));
   }

@@ -65,7 +65,7 @@ class Kkt {
   Index size_ = 0;
   SparsePlan plan_;
   sparse::Klu lu_;
-  Vector rhs_, softness_;
+  Vector rhs_, softness_, sizes_;              // sizes_: of unknowns in this machine
   std::vector<Index> diagonal_;                // places of diagonal entries in the plan, -1: none
   mutable Vector given_, correction_, terms_;  // right-hand sides; the residual of one, then its correction; its terms
   mutable std::vector<long double> sum_;

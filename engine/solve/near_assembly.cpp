@@ -14,7 +14,8 @@ namespace bramah {
 namespace {
 
 constexpr double near = 2e-2;       // in nominals: angles given in whole degrees cannot tell such assemblies apart
-constexpr double comparable = 4.0;  // times the way that the start values were moved; midway between both it is 2
+constexpr double comparable = 4.0;  // times the way that the start values were moved
+constexpr double towards = 0.25;    // of the way to the other assembly: the start values lie there; midway it is a half
 constexpr double same = 1e-6;       // in nominals: a double root, told apart no better than to sqrt(eps)
 constexpr double well_apart = 0.1;  // of a pivot relative to its row: the other assembly is not near
 constexpr double takes_part = 0.1;  // of the largest share in u or w
@@ -152,14 +153,27 @@ double curvature(const System& system, const State& state, const Vector& u, cons
 
 double distance(const System& system, const Vector& a, const Vector& b) {
   double sum = 0.0;
-  for (std::size_t i = 0; i < system.x.size(); ++i) sum += std::pow((a[i] - b[i]) / system.x[i].nominal, 2);
+  for (std::size_t i = 0; i < system.x.size(); ++i) sum += std::pow((a[i] - b[i]) / system.x[i].size, 2);
   return std::sqrt(sum);
 }
 
-/// Members of `all` whose share is at least a tenth of the largest, in falling order.
+/// Where `start` lies between two assemblies, as part of the way from `a` to `b`.
+double part_of_way(const System& system, const Vector& a, const Vector& b, const Vector& start) {
+  double along = 0.0;
+  for (std::size_t i = 0; i < system.x.size(); ++i)
+    along += (start[i] - a[i]) * (b[i] - a[i]) / std::pow(system.x[i].size, 2);
+  return along / std::pow(distance(system, a, b), 2);
+}
+
+/// Members of `all` whose share is at least a tenth of the largest, in falling order; shares that are equal but for rounding
+/// stay in the scene's order.
 template <class Share>
 std::vector<Index> largest(std::vector<Index> all, Share&& share) {
-  std::stable_sort(all.begin(), all.end(), [&](Index a, Index b) { return share(a) > share(b); });
+  std::sort(all.begin(), all.end());
+  double most = 0.0;
+  for (const Index i : all) most = std::max(most, share(i));
+  const auto rank = [&](Index i) { return std::round(1e4 * share(i) / most); };
+  std::stable_sort(all.begin(), all.end(), [&](Index a, Index b) { return rank(a) > rank(b); });
   const auto end = std::find_if(all.begin(), all.end(), [&](Index i) { return share(i) < takes_part * share(all[0]); });
   all.erase(end, all.end());
   return all;
@@ -182,13 +196,16 @@ bool go_over(const System& system, State& state, std::span<const Index> moving, 
     return false;
   }
   constexpr double closed = 1e-9;  // redundant rows are not among the independent ones
-  return std::all_of(blocks.c.begin(), blocks.c.end(), [](double c) { return std::abs(c) < closed; });
+  for (std::size_t k = 0; k < blocks.c.size(); ++k) {
+    if (!(std::abs(blocks.c[k]) < closed * system.holonomic[k].nominal)) return false;
+  }
+  return true;
 }
 
 /// From `a` to `b`, for those of `coordinates` that have a share in the distance.
 std::vector<Move> moves(const System& system, const Vector& a, const Vector& b, std::span<const Index> coordinates) {
   std::vector<Move> result;
-  const auto way = [&](Index i) { return std::abs(b[at(i)] - a[at(i)]) / system.x[at(i)].nominal; };
+  const auto way = [&](Index i) { return std::abs(b[at(i)] - a[at(i)]) / system.x[at(i)].size; };
   for (const Index i : largest({coordinates.begin(), coordinates.end()}, way))
     result.emplace_back(i, b[at(i)] - a[at(i)]);
   return result;
@@ -210,6 +227,8 @@ std::optional<NearAssembly> find_near_assembly(const System& system, const State
   if (!go_over(system, other, free.coordinates(), free.rows(), u, -2.0 * sigma / bend)) return std::nullopt;
   result.distance = distance(system, assembled.x, other.x);
   if (result.distance < same || result.distance > limit) return std::nullopt;
+  if (result.distance > std::max(near, result.moved) && part_of_way(system, assembled.x, other.x, start) < towards)
+    return std::nullopt;
 
   result.coordinates = moves(system, assembled.x, other.x, free.coordinates());
   result.rows = largest(free.rows(), [&](Index k) { return std::abs(w[at(k)]); });

@@ -30,8 +30,8 @@ struct NearAssembly {
 };
 
 /// Looks for it at `assembled`, to which the positions `start` were moved; `fixed` coordinates are kept, and of the others
-/// those that "start" gives before all others. Reported are assemblies nearer than 1/50 nominal, about a degree, and those
-/// up to four times as far away as the start values were.
+/// those that "start" gives before all others. Reported are assemblies nearer than 1/50 nominal, about a degree, those that
+/// are no farther away than the start values were, and those up to four times as far on whose side the start values lie.
 std::optional<NearAssembly> find_near_assembly(const System& system, const State& assembled, const Vector& start,
                                                std::span<const Index> fixed);
 

@@ -12,8 +12,8 @@
 namespace bramah {
 namespace {
 
-// Of a row in its unit (m, rad, 1, m/s, ...): Newton's method stops there, and what it cannot bring below `refused` is a
-// failure. Between the two lies the rounding of large machines.
+// Of a row's own size: Newton's method stops there, and what it cannot bring below `refused` is a failure. Between the two
+// lies the rounding of large machines.
 constexpr double closed = 1e-13;
 constexpr double refused = 1e-9;
 constexpr double left_open = 1e-4;  // what a step may leave open where nothing can be closed
@@ -116,7 +116,7 @@ Rates::Rates(const System& system, const State& start)
 
 void Rates::evaluate(State& state) { kkt_.complete(state, blocks_); }
 
-/// The largest |c| and |r| over the independent rows; `row` of [c; b].
+/// The largest |c| and |r| over the independent rows, each over its size; `row` of [c; b].
 double Rates::violation(const State& state, Index& row) {
   const Outcome outcome = blocks_.evaluate(system_, state, Request{}.rows("cr"));
   if (!outcome.ok())
@@ -124,8 +124,9 @@ double Rates::violation(const State& state, Index& row) {
   double largest = 0.0;
   for (Index k = 0; k < rows_; ++k) {
     const Index i = partition_.rows[at(k)];
+    const double open = k < partition_.holonomic ? std::abs(blocks_.c[at(i)]) : 0.0;
     const double here =
-        std::max(k < partition_.holonomic ? std::abs(blocks_.c[at(i)]) : 0.0, std::abs(blocks_.r[at(i)]));
+        std::max(open / system_.constraint(i).nominal, std::abs(blocks_.r[at(i)]) / system_.rate_nominal(i));
     if (here <= largest) continue;
     largest = here;
     row = i;
@@ -198,13 +199,23 @@ void Rates::apply(std::span<const double> in, std::span<double> out) {
   std::copy_n(rhs_.begin() + n_ + rows_, nz_, out.begin() + 2 * n_);
 }
 
+/// Of v, gamma lambda and z.
+Vector Rates::sizes_of_unknowns() const {
+  const Scales& scales = system_.scales;
+  Vector sizes;
+  for (const Variable& variable : system_.x) sizes.push_back(variable.nominal / scales.time);
+  for (const Index row : partition_.rows) sizes.push_back(system_.multiplier_nominal(row) * scales.time);
+  for (const Variable& variable : system_.z) sizes.push_back(variable.nominal);
+  return sizes;
+}
+
 bool Rates::factor(double gamma) {
   gamma_ = gamma;
   const double weights[] = {1.0, gamma, gamma * gamma};
   newton_.fill(linear_, weights);
   const sparse::CscView view{newton_.rows(), newton_.columns(), newton_.start().data(), newton_.row().data(),
                              newton_.values().data()};
-  if (!lu_.analyzed()) lu_.analyze(view);
+  if (!lu_.analyzed()) lu_.analyze(view, sizes_of_unknowns());
   if (lu_.factor(view)) return true;
   const Index i = lu_.singular_column();
   singular_ = i < n_           ? system_.x[at(i)].name

@@ -41,6 +41,7 @@ class Rates {
   [[nodiscard]] long imprecise() const { return kkt_.imprecise(); }
 
  private:
+  [[nodiscard]] Vector sizes_of_unknowns() const;
   [[nodiscard]] double violation(const State& state, Index& row);
   bool close(State& state, Index& row);
 

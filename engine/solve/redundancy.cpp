@@ -350,14 +350,20 @@ std::vector<RedundantSet> describe_redundancy(const System& system, const State&
   return Describer(system, state, partition).sets();
 }
 
-void take_minimum_norm(const Partition& partition, Vector& lambda) {
+void take_minimum_norm(const System& system, const Partition& partition, Vector& lambda) {
   if (partition.redundant.empty()) return;
-  // Null vectors of D^T: N_k = e(redundant k) - sum c e(others). The nearest point without their span solves
-  //   [ 1    N ] [ lambda ]   [ lambda_0 ]
-  //   [ N^T  0 ] [ mu     ] = [ 0        ]
+  // Null vectors of D^T: N_k = e(redundant k) - sum c e(others). The nearest point without their span, lambda = S^2 w with
+  // sizes S, solves
+  //   [ S^2  N ] [ w  ]   [ lambda_0 ]
+  //   [ N^T  0 ] [ mu ] = [ 0        ]
   const auto rows = static_cast<Index>(lambda.size()), count = static_cast<Index>(partition.redundant.size());
   std::vector<std::vector<std::pair<Index, double>>> columns(static_cast<std::size_t>(rows + count));
-  for (Index i = 0; i < rows; ++i) columns[static_cast<std::size_t>(i)].emplace_back(i, 1.0);
+  Vector squares;
+  for (Index i = 0; i < rows; ++i) {
+    const double per_time = i < system.m() ? 1.0 : system.sizes.time;
+    squares.push_back(std::pow(system.constraint(i).size * per_time, -2));
+    columns[static_cast<std::size_t>(i)].emplace_back(i, squares.back());
+  }
   for (Index k = 0; k < count; ++k) {
     const RedundantRow& redundant = partition.redundant[static_cast<std::size_t>(k)];
     const auto put = [&](Index row, double value) {
@@ -383,7 +389,7 @@ void take_minimum_norm(const Partition& partition, Vector& lambda) {
   lu.analyze(matrix);
   if (!lu.factor(matrix)) return;  // never: N has full rank, since the redundant rows are its identity
   lu.solve(rhs);
-  std::copy_n(rhs.begin(), lambda.size(), lambda.begin());
+  for (std::size_t i = 0; i < lambda.size(); ++i) lambda[i] = squares[i] * rhs[i];
 }
 
 }  // namespace bramah

@@ -25,7 +25,8 @@ struct RedundantSet {
 /// The sets in the order of declaration; `state`: where `partition` was chosen.
 std::vector<RedundantSet> describe_redundancy(const System& system, const State& state, const Partition& partition);
 
-/// Makes the multipliers of redundant sets unique: of all with the same D^T lambda, those of least norm.
-void take_minimum_norm(const Partition& partition, Vector& lambda);
+/// Makes the multipliers of redundant sets unique: of all with the same D^T lambda, those of least norm, each in
+/// the machine's energy over the size of its row.
+void take_minimum_norm(const System& system, const Partition& partition, Vector& lambda);
 
 }  // namespace bramah

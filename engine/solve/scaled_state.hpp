@@ -29,6 +29,7 @@ class ScaledState {
   Index n_, nz_;
   double rel_tol_;
   Vector scale_, low_, high_;
+  Vector size_;                    // of each variable, over its scale
   std::vector<std::size_t> kind_;  // variables of the same family and unit are of one kind
   Vector motion_, extent_;         // of each kind: how far its variables have moved, how large they are
 };

@@ -81,7 +81,7 @@ StartNote note_on(const System& system, const std::vector<Index>& changed, const
 std::optional<StartNote> note_on_rounding(const System& system, const State& state) {
   Blocks blocks(system);
   if (system.m() == 0 || !blocks.evaluate(system, state, Request{}.rows("c")).ok()) return std::nullopt;
-  if (!leaves_rounding(state, blocks.c)) return std::nullopt;
+  if (!leaves_rounding(system, state, blocks.c)) return std::nullopt;
   const auto largest =
       std::max_element(blocks.c.begin(), blocks.c.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
   const Row& open = system.constraint(largest - blocks.c.begin());
@@ -160,7 +160,7 @@ void complete(const System& system, State& state) {
   const Partition partition = choose_partition(system, state);
   Blocks blocks(system);
   Kkt(system, partition.rows).complete(state, blocks);
-  take_minimum_norm(partition, state.lambda);
+  take_minimum_norm(system, partition, state.lambda);
 }
 
 State reference_state(const System& system, const Options& options, bool equilibrium, double t) {

@@ -70,14 +70,15 @@ double parity(const SuiteSparse_long* permutation, std::int64_t size) {
   return sign;
 }
 
-/// L U = P R^-1 A Q, of one block: columns of L begin with the diagonal, those of U end with it. `R` is in pivotal
-/// order. Pivots divide, as in KLU: products with reciprocals would not leave exact ones and zeros exact.
+/// L U = P R^-1 A S Q, of one block: columns of L begin with the diagonal, those of U end with it. `R`, with the sizes of
+/// rows in it, and the sizes `S` of unknowns are in pivotal order. Pivots divide, as in KLU: products with reciprocals would not leave exact ones and zeros exact.
 struct Factors {
   std::vector<SuiteSparse_long> L_start, L_row, U_start, U_row, P, Q;
-  std::vector<double> L, U, R;
+  std::vector<double> L, U, R, S;
   std::vector<double> x;  // (n x width) row-major, in pivotal order
 
-  void take(const klu_l_symbolic* symbolic, const klu_l_numeric* numeric, klu_l_common* common) {
+  void take(const klu_l_symbolic* symbolic, const klu_l_numeric* numeric, klu_l_common* common,
+            const std::vector<double>& sizes, const std::vector<double>& row_sizes) {
     const auto n = static_cast<std::size_t>(numeric->n), l = static_cast<std::size_t>(numeric->lnz),
                u = static_cast<std::size_t>(numeric->unz);
     for (auto* list : {&L_start, &U_start}) list->resize(n + 1);
@@ -87,6 +88,11 @@ struct Factors {
     R.resize(n);
     klu_l_extract(writable(numeric), writable(symbolic), L_start.data(), L_row.data(), L.data(), U_start.data(),
                   U_row.data(), U.data(), nullptr, nullptr, nullptr, P.data(), Q.data(), R.data(), nullptr, common);
+    S.assign(n, 1.0);
+    for (std::size_t k = 0; k < n; ++k) {
+      if (!sizes.empty()) S[k] = sizes[static_cast<std::size_t>(Q[k])];
+      if (!row_sizes.empty()) R[k] *= row_sizes[static_cast<std::size_t>(P[k])];
+    }
   }
 
   template <int width>
@@ -109,7 +115,7 @@ struct Factors {
       const auto diagonal = u[k + 1] - 1;
       const Row x_k = row(x_all, k) / u_value[diagonal];
       for (auto e = u[k]; e < diagonal; ++e) row(x_all, u_row[e]) -= u_value[e] * x_k;
-      row(b, q[k]) = x_k;
+      row(b, q[k]) = x_k * S[static_cast<std::size_t>(k)];
     }
   }
 };
@@ -124,7 +130,9 @@ struct BasicKlu<Scalar>::Data {
   std::int64_t size = 0;
   bool fresh = false;
   Factors factors;
-  bool taken = false;  // whether `factors` are those of the last factorization
+  bool taken = false;                             // whether `factors` are those of the last factorization
+  std::vector<double> sizes, row_sizes, per_row;  // of unknowns, of rows, one over that; empty: all 1
+  std::vector<Scalar> scaled;                     // the values of the matrix that is factored, where there are sizes
 
   Data() {
     klu_l_defaults(&common);
@@ -134,6 +142,30 @@ struct BasicKlu<Scalar>::Data {
   ~Data() {
     Calls<Scalar>::free_numeric(&numeric, &common);
     klu_l_free_symbolic(&symbolic, &common);
+  }
+  void scale(const BasicCscView<Scalar>& matrix) {
+    for (std::int64_t j = 0; j < size; ++j) {
+      const double unknown = sizes[static_cast<std::size_t>(j)];
+      const auto first = static_cast<std::size_t>(matrix.start[j]),
+                 last = static_cast<std::size_t>(matrix.start[j + 1]);
+      if (row_sizes.empty()) {
+        for (std::size_t e = first; e < last; ++e) scaled[e] = matrix.value[e] * unknown;
+      } else {
+        for (std::size_t e = first; e < last; ++e)
+          scaled[e] = matrix.value[e] * unknown * per_row[static_cast<std::size_t>(matrix.row[e])];
+      }
+    }
+  }
+  /// `count` right-hand sides, one after the other.
+  void scale_rows(Scalar* rhs, std::int64_t count) const {
+    for (std::int64_t k = 0; k < count; ++k) {
+      for (std::size_t i = 0; i < row_sizes.size(); ++i) rhs[k * size + static_cast<std::int64_t>(i)] *= per_row[i];
+    }
+  }
+  void scale_unknowns(Scalar* x, std::int64_t count) const {
+    for (std::int64_t k = 0; k < count; ++k) {
+      for (std::size_t i = 0; i < sizes.size(); ++i) x[k * size + static_cast<std::int64_t>(i)] *= sizes[i];
+    }
   }
   Data(const Data&) = delete;
   Data& operator=(const Data&) = delete;
@@ -154,9 +186,14 @@ bool BasicKlu<Scalar>::analyzed() const {
 }
 
 template <class Scalar>
-void BasicKlu<Scalar>::analyze(const View& matrix) {
+void BasicKlu<Scalar>::analyze(const View& matrix, std::vector<double> sizes, const std::vector<double>& row_sizes) {
   data_ = std::make_unique<Data>();
   data_->size = matrix.rows;
+  if (!row_sizes.empty() && sizes.empty()) sizes.assign(row_sizes.size(), 1.0);
+  data_->sizes = std::move(sizes);
+  for (const double of_row : row_sizes) data_->per_row.push_back(1.0 / of_row);
+  data_->row_sizes = row_sizes;
+  if (!data_->sizes.empty()) data_->scaled.resize(static_cast<std::size_t>(matrix.start[matrix.columns]));
   if (matrix.rows == 0) return;
   data_->symbolic = klu_l_analyze(matrix.rows, indices(matrix.start), indices(matrix.row), &data_->common);
   // A structurally singular pattern is left to `factor`, which can name the column.
@@ -170,9 +207,14 @@ bool BasicKlu<Scalar>::factor(const View& matrix) {
   if (d.size == 0) return true;
   if (d.symbolic == nullptr) return false;
   d.taken = false;
+  const Scalar* values = matrix.value;
+  if (!d.sizes.empty()) {
+    d.scale(matrix);
+    values = d.scaled.data();
+  }
   if (d.numeric != nullptr) {
-    const bool done = Call::refactor(indices(matrix.start), indices(matrix.row), doubles(matrix.value), d.symbolic,
-                                     d.numeric, &d.common) != 0;
+    const bool done = Call::refactor(indices(matrix.start), indices(matrix.row), doubles(values), d.symbolic, d.numeric,
+                                     &d.common) != 0;
     if (done && d.common.status == KLU_OK && Call::reciprocal_condition(d.symbolic, d.numeric, &d.common) != 0 &&
         d.common.rcond > least_reciprocal_condition) {
       d.fresh = false;
@@ -181,7 +223,7 @@ bool BasicKlu<Scalar>::factor(const View& matrix) {
     Call::free_numeric(&d.numeric, &d.common);
   }
   d.fresh = true;
-  d.numeric = Call::factor(indices(matrix.start), indices(matrix.row), doubles(matrix.value), d.symbolic, &d.common);
+  d.numeric = Call::factor(indices(matrix.start), indices(matrix.row), doubles(values), d.symbolic, &d.common);
   if (d.common.status == KLU_OUT_OF_MEMORY) throw std::bad_alloc();
   if (d.numeric == nullptr || d.common.status == KLU_SINGULAR) {
     Call::free_numeric(&d.numeric, &d.common);
@@ -208,14 +250,16 @@ std::int64_t BasicKlu<Scalar>::singular_column() const {
 template <class Scalar>
 void BasicKlu<Scalar>::solve(std::span<Scalar> rhs, std::int64_t count) const {
   if (data_->size == 0 || count == 0) return;
+  data_->scale_rows(rhs.data(), count);
   Calls<Scalar>::solve(data_->symbolic, data_->numeric, data_->size, count, doubles(rhs.data()), &data_->common);
+  data_->scale_unknowns(rhs.data(), count);
 }
 
 template <class Scalar>
 void BasicKlu<Scalar>::solve_block(std::span<Scalar> rhs) const requires std::same_as<Scalar, double> {
   Data& d = *data_;
   if (d.size == 0) return;
-  if (!d.taken) d.factors.take(d.symbolic, d.numeric, &d.common);
+  if (!d.taken) d.factors.take(d.symbolic, d.numeric, &d.common, d.sizes, d.row_sizes);
   d.taken = true;
   d.factors.template solve<block>(doubles(rhs.data()));
 }
@@ -223,15 +267,17 @@ void BasicKlu<Scalar>::solve_block(std::span<Scalar> rhs) const requires std::sa
 template <class Scalar>
 void BasicKlu<Scalar>::solve_transposed(std::span<Scalar> rhs, std::int64_t count) const {
   if (data_->size == 0 || count == 0) return;
+  data_->scale_unknowns(rhs.data(), count);
   Calls<Scalar>::solve_transposed(data_->symbolic, data_->numeric, data_->size, count, doubles(rhs.data()),
                                   &data_->common);
+  data_->scale_rows(rhs.data(), count);
 }
 
 template <class Scalar>
 double BasicKlu<Scalar>::condition(const View& matrix) const {
   if (data_->size == 0) return 1.0;
-  Calls<Scalar>::condition(indices(matrix.start), doubles(matrix.value), data_->symbolic, data_->numeric,
-                           &data_->common);
+  Calls<Scalar>::condition(indices(matrix.start), doubles(data_->sizes.empty() ? matrix.value : data_->scaled.data()),
+                           data_->symbolic, data_->numeric, &data_->common);
   return data_->common.condest;
 }
 

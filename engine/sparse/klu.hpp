@@ -22,8 +22,10 @@ class BasicKlu {
   BasicKlu(BasicKlu&&) noexcept;
   BasicKlu& operator=(BasicKlu&&) noexcept;
 
-  /// Analyses the pattern: COLAMD without block triangular form, whose matching is quadratic on closed loops.
-  void analyze(const View& matrix);
+  /// Analyses the pattern: COLAMD without block triangular form, whose matching is quadratic on closed loops. Where unknowns
+  /// have `sizes` (columns), pivots are chosen, and singularity is judged, with unknowns in these: rows are then compared by
+  /// what they say, whatever the units. Where rows have `row_sizes` too, `condition` is that of the rows in these.
+  void analyze(const View& matrix, std::vector<double> sizes = {}, const std::vector<double>& row_sizes = {});
   /// Factors with fresh pivots, or reuses the last pivots and falls back where they have become bad. False: singular.
   bool factor(const View& matrix);
   /// The next factor chooses its pivots anew, whatever was factored before: its bits depend on its matrix alone.
@@ -40,7 +42,7 @@ class BasicKlu {
   void solve_block(std::span<Scalar> rhs) const requires std::same_as<Scalar, double>;
   /// Solves A^T X = B in place.
   void solve_transposed(std::span<Scalar> rhs, std::int64_t count = 1) const;
-  /// Estimate of the 1-norm condition number of the last factored matrix.
+  /// Estimate of the 1-norm condition number of the last factored matrix, unknowns and rows in their sizes.
   [[nodiscard]] double condition(const View& matrix) const;
   /// det A / |det A| of the last factored matrix.
   [[nodiscard]] Scalar determinant_phase() const;

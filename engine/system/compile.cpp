@@ -83,7 +83,7 @@ Compiled Compiler::run() {
   make_patterns();
   check_structure();
   stop_if_faulty();
-  system().scales = scales_of(system());
+  take_scales(system());
   set_assembly_tolerance();
   keep_origins();
   system().registry = registry_;

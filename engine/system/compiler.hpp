@@ -102,7 +102,10 @@ class Compiler {
   Compiled compiled_;
 };
 
-/// The machine's own sizes at its start values, each a power of two; defaults where its rows say nothing.
-Scales scales_of(const System& system);
+/// The machine's own sizes at its start values; defaults where its rows say nothing.
+Scales sizes_of(const System& system);
+/// Sets sizes and scales of `system`, and by them those of its variables and rows: nominals of types are for a machine of
+/// the default sizes.
+void take_scales(System& system);
 
 }  // namespace bramah::compiling

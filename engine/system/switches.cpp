@@ -23,8 +23,11 @@ Switches::Switches(const System& system) : system_(system) {
     const auto* switches = switches_of(*group.type);
     if (switches == nullptr) continue;
     for (Index i = 0; i < group.count; ++i) {
-      for (std::int32_t k = 0; k < switches->count; ++k)
-        info_.push_back({group.component[static_cast<std::size_t>(i)], switches->info[k].name, switches->nominal[k]});
+      for (std::int32_t k = 0; k < switches->count; ++k) {
+        const bramah_row_info& info = switches->info[k];
+        info_.push_back({group.component[static_cast<std::size_t>(i)], info.name,
+                         switches->nominal[k] * system.scales.of(info.unit)});
+      }
     }
   }
   values_.resize(info_.size());

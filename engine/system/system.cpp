@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <optional>
+
+#include "system/units.hpp"
 
 namespace bramah {
 
@@ -26,6 +29,25 @@ Instances::~Instances() {
 Index System::spools() const {
   return std::count_if(z.begin(), z.end(), [](const Variable& v) { return v.kind == "spool"; });
 }
+
+double Scales::of(std::string_view unit) const {
+  const std::optional<Unit> parsed = parse_unit(unit);
+  if (!parsed) return 1.0;
+  double m = parsed->twice[0], kg = parsed->twice[1], s = parsed->twice[2], product = 1.0;
+  if (m == -2.0 && kg == 2.0) {  // a pressure, or one per time
+    product = pressure / Scales().pressure;
+    s += 4.0;
+    m = kg = 0.0;
+  }
+  const auto power = [](double base, double twice) { return twice == 0.0 ? 1.0 : std::pow(base, 0.5 * twice); };
+  return product * power(length, m) * power(mass, kg) * power(time, s);
+}
+
+double System::rate_nominal(Index i) const {
+  return i < m() ? constraint(i).nominal / scales.time : constraint(i).nominal;
+}
+
+double System::multiplier_nominal(Index i) const { return scales.energy() / (rate_nominal(i) * scales.time); }
 
 const Row& System::constraint(Index i) const {
   return i < m() ? holonomic[static_cast<std::size_t>(i)] : nonholonomic[static_cast<std::size_t>(i - m())];

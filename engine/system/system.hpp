@@ -27,8 +27,9 @@ using Vector = std::vector<double>;
 struct Variable {
   std::string name;  // "crank.angle"
   std::string unit;
-  std::string kind;  // what ports see: "frame", "coordinate", "pressure", "spool"
-  double nominal = 1.0;
+  std::string kind;                                    // what ports see: "frame", "coordinate", "pressure", "spool"
+  double size = 1.0;                                   // typical in this machine, of a rate divided by its time
+  double nominal = 1.0;                                // the same next to a power of two: to scale by it rounds nothing
   double start = 0.0, start_rate = 0.0;                // rate: coordinates only
   bool start_given = false, start_rate_given = false;  // by the scene's "start"
   bool start_set = false, start_rate_set = false;      // by parameters of the component that the scene writes out
@@ -42,10 +43,11 @@ struct Row {
   std::string name;  // "hinge.x"
   std::string unit;
   Index component = 0;
-  double nominal = 1.0;  // size of its terms in this machine, in its unit: a length for m, 1 for rad and 1
+  double size = 1.0;     // of its terms in this machine, in its unit: its length for m, 1 for rad and 1
+  double nominal = 1.0;  // the same next to a power of two
 };
 
-/// The machine's own sizes, SI: every limit of the engine is a part of these, none is absolute.
+/// A machine's own sizes, SI: every limit of the engine is a part of these, none is absolute.
 struct Scales {
   double length = 1.0;                                                                    // m
   double mass = 1.0;                                                                      // kg
@@ -53,6 +55,9 @@ struct Scales {
   double pressure = 1e6;                                                                  // Pa
   [[nodiscard]] double force() const { return mass * length / (time * time); }            // N
   [[nodiscard]] double energy() const { return mass * length * length / (time * time); }  // J
+  /// Of one in `unit`, in a machine of these sizes, against a machine of the sizes above: 1 for "rad", length for "m",
+  /// pressure / 1e6 for "Pa".
+  [[nodiscard]] double of(std::string_view unit) const;
 };
 
 struct InputSignal {
@@ -146,7 +151,8 @@ class System {
   std::vector<Constant> constants;
   std::vector<Group> groups;
   Vector x_constants, z_constants;  // what ports without a variable read
-  Scales scales;
+  Scales sizes;   // the machine's own: what results depend on, the choice among equals, is weighed by these
+  Scales scales;  // powers of two next to them, for limits and for equations to be solved
   double assembly_tolerance = 0.0;           // m, by which joints that repeat each other may disagree
   std::shared_ptr<const Registry> registry;  // keeps the libraries' files known for messages
 
@@ -161,6 +167,10 @@ class System {
 
   /// Row i of [c; b].
   [[nodiscard]] const Row& constraint(Index i) const;
+  /// Typical size of its rate r: of dc/dt, or of b itself.
+  [[nodiscard]] double rate_nominal(Index i) const;
+  /// Typical size of its multiplier: the machine's energy over the row's size.
+  [[nodiscard]] double multiplier_nominal(Index i) const;
   /// Name of its multiplier: "hinge.lambda_x".
   [[nodiscard]] std::string multiplier_name(Index i) const;
   /// Unit of the force that it gives: N for a row in m, N.m for rad, else "J/" and the row's unit.

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 
 #include "linear/augmented.hpp"
 #include "linear/staircase.hpp"
@@ -14,6 +13,7 @@
 #include "support/generators.hpp"
 #include "support/machine.hpp"
 #include "support/random_machine.hpp"
+#include "support/shipped.hpp"
 #include "system/analysis_error.hpp"
 
 namespace bramah::testing {
@@ -30,9 +30,7 @@ std::vector<int> block_sizes(const Spectrum& spectrum) {
 
 TEST(Census, ForetellsTheZerosOfEveryScene) {
   int compared = 0;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(BRAMAH_SOURCE_DIR "/scenes")) {
-    if (entry.path().extension() != ".json") continue;
-    const std::string file = std::filesystem::relative(entry.path(), BRAMAH_SOURCE_DIR).string();
+  for (const std::string& file : shipped_scenes()) {
     SCOPED_TRACE(file);
     const Machine machine = load(file);
     const bool equilibrium = machine.options().linearize.at == LinearizeOptions::At::equilibrium;

@@ -1,25 +1,13 @@
 // Every scene that we ship does what it asks for.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <set>
-
 #include "solve/assemble.hpp"
 #include "solve/simulate.hpp"
 #include "support/machine.hpp"
+#include "support/shipped.hpp"
 
 namespace bramah::testing {
 namespace {
-
-std::vector<std::string> shipped() {
-  std::vector<std::string> files;
-  const std::filesystem::path root = BRAMAH_SOURCE_DIR;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(root / "scenes")) {
-    if (entry.path().extension() == ".json") files.push_back(std::filesystem::relative(entry.path(), root).string());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
 
 class Shipped : public ::testing::TestWithParam<std::string> {};
 
@@ -56,11 +44,7 @@ TEST_P(Shipped, Simulates) {
   EXPECT_LT(run.statistics.energy.relative(), 1e3 * options.rel_tol) << run.statistics.energy.unaccounted << " J";
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, Shipped, ::testing::ValuesIn(shipped()), [](const auto& p) {
-  std::string name = p.param;
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Scenes, Shipped, ::testing::ValuesIn(shipped_scenes()), shipped_name);
 
 }  // namespace
 }  // namespace bramah::testing

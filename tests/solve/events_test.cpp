@@ -218,7 +218,7 @@ TEST_P(Events, AContinuedRunMeetsTheSameKinksAndJumps) {
   options.step = options.step > 0.0 ? 0.007 : 0.0;
   options.max_step = 0.02;
   expect_the_rest(scenario.compiled.system, options, scenario.start(), options.step > 0.0 ? 1 : 40,
-                  options.step > 0.0 ? 0.0 : 1e-4);
+                  options.step > 0.0 ? 0.0 : 1e-3);  // what a restart changes, after four hits of a stiff stop
 }
 
 TEST(EventMemory, OfAnOldCheckpointStartsAnew) {
