@@ -55,7 +55,7 @@ TEST(Lattice, HasTheFrequenciesOfTheSquareGrid) {
 }
 
 TEST(Trailers, FollowWithTheRateOfTheirDrawbars) {
-  for (const int count : {1, 4}) {
+  for (const int count : {1, 4, 30, 100}) {
     const Model train(support::trailers(count));
     EXPECT_EQ(train.system().n(), 3 * count + 3);
     EXPECT_EQ(train.system().m(), 2 * count);
