@@ -10,8 +10,8 @@
 #include "app/results.hpp"
 #include "io/output_file.hpp"
 #include "io/read_scene.hpp"
-#include "solve/start.hpp"
 #include "system/analysis_error.hpp"
+#include "system/message.hpp"
 
 namespace bramah {
 namespace {
@@ -26,18 +26,19 @@ void refuse_too_large(const System& system, const Partition& partition) {
                       "select modes, --set modes.count=20, or take the sparse form, --set linearize.form=descriptor");
 }
 
-void refuse_singular(const System& system, const State& state) {
-  const auto note = singular_note(system, state);
-  if (!note || note->kind != "singular position") return;
-  throw AnalysisError("linearize", note->found, "a position with one linear model", note->remedy, "/components");
-}
-
 [[noreturn]] void fail_to_print() {
   throw WriteError("standard output", std::string("cannot be written: ") + std::strerror(errno),
                    "make room, or send the output elsewhere");
 }
 
 }  // namespace
+
+void refuse_singular(const System& system, const State& state) {
+  const auto note = singular_note(system, state);
+  if (!note || note->kind != "singular position") return;
+  throw AnalysisError("linearize", "at t = " + digits(state.t) + " s " + note->found,
+                      "a position with one linear model", note->remedy, "/components");
+}
 
 Context load(const Arguments& arguments) {
   Source source{arguments.subject, ""};
@@ -85,22 +86,24 @@ Linearization linearize(const Compiled& compiled, const Prescribed& prescribed, 
 
 namespace {
 
-void tell_start(const Context& context) {
-  tell_start_notes(context, context.options().linearize.at == LinearizeOptions::At::equilibrium);
+std::vector<StartNote> tell_start(const Context& context) {
+  return tell_start_notes(context, context.options().linearize.at == LinearizeOptions::At::equilibrium);
 }
 
 }  // namespace
 
 Linearization linearize(const Context& context) {
-  tell_start(context);
+  std::vector<StartNote> notes = tell_start(context);
   Linearization linear = linearize(context.compiled, context.options().linearize.prescribed);
+  linear.notes = std::move(notes);
   if (linear.equilibrium) tell_equilibrium(context, *linear.equilibrium);
   return linear;
 }
 
 Linearization linearize_outputs(const Context& context) {
-  tell_start(context);
+  std::vector<StartNote> notes = tell_start(context);
   Linearization linear = linearize(context.compiled, context.options().linearize.prescribed, context.options().outputs);
+  linear.notes = std::move(notes);
   if (linear.equilibrium) tell_equilibrium(context, *linear.equilibrium);
   judge(context, linear);
   return linear;

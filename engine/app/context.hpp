@@ -10,6 +10,7 @@
 #include "linear/linearize.hpp"
 #include "linear/stability.hpp"
 #include "solve/equilibrium.hpp"
+#include "solve/start.hpp"
 #include "system/compile.hpp"
 
 namespace bramah {
@@ -37,7 +38,10 @@ struct Linearization {
   Conditions conditions;  // of the partition
   LinearModel model;
   Eigen::MatrixXd motion, response;  // of the Linearizer
+  std::vector<StartNote> notes;      // what is to be said of the start values
 };
+/// AnalysisError where `state` is a singular position, at which no single linear model exists.
+void refuse_singular(const System& system, const State& state);
 /// With coordinates of the partition prescribed; C and D of `outputs`; the equilibrium near `guess`, where given.
 Linearization linearize(const Compiled& compiled, const Prescribed& prescribed, std::vector<Measured> outputs = {},
                         const State* guess = nullptr);

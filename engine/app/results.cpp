@@ -213,6 +213,7 @@ std::string linear_document(const System& system, const Linearization& linear) {
   write_free_directions(json, linear.equilibrium ? linear.equilibrium->free_directions : std::vector<FreeDirection>{});
   json.end_object();
   write_equilibrium(json, linear);
+  write_notes(json, linear.notes);
   json.end_object();
   return json.take();
 }
@@ -407,6 +408,7 @@ std::string spectrum_document(const System& system, const Linearization& linear,
   write_participation(json, model, spectrum);
   write_modal_details(json, system, linear, spectrum);
   write_equilibrium(json, linear);
+  write_notes(json, linear.notes);
   json.end_object();
   return json.take();
 }

@@ -95,7 +95,10 @@ int run_along(const Context& context) {
     if (next == times.size() || state.t != times[next] || (state.side < 0 && state.t < options.to_time)) return;
     State here = state;
     here.side = context.options().linearize.side;
+    const int choices = linearizer.choices();
     linearizer.linearize(here, model);
+    // A partition that still serves shows that the rank is what it was.
+    if (linearizer.choices() > choices && !linearizer.partition().redundant.empty()) refuse_singular(system, here);
     if (next == 0) {
       json.key("states")
           .values(names_of(model.states))

@@ -91,6 +91,7 @@ std::string document(const Linearization& linear, const Findings& findings) {
     json.begin_flat_object().member("number", failed.name).member("why", failed.why).end_object();
   json.end_list();
   write_equilibrium(json, linear);
+  write_notes(json, linear.notes);
   json.end_object();
   return json.take();
 }

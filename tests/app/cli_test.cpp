@@ -118,6 +118,29 @@ TEST_F(Cli, LinearizeAlongASimulation) {
   EXPECT_THAT(bramah("linearize outside.json").err, HasSubstr("/linearize/times"));
 }
 
+// A parallelogram in line at the start: no model there, but on its branch from then on.
+TEST_F(Cli, LinearizeAlongASimulationRefusesASingularPosition) {
+  std::string text = contents(BRAMAH_SOURCE_DIR "/tests/cases/01-start-at-change-point/scene.json");
+  const std::string simulate = "\"simulate\"";
+  const std::size_t at = text.find(simulate);
+  ASSERT_NE(at, std::string::npos);
+  for (const bool at_start : {true, false}) {
+    std::string scene = text;
+    write("scene.json",
+          scene.insert(at, std::string("\"linearize\": { \"times\": [") + (at_start ? "0, " : "") + "0.05, 0.1] }, "));
+    const Ended run = bramah("linearize scene.json --json");
+    EXPECT_EQ(run.code, at_start ? 1 : 0) << run.err;
+    EXPECT_EQ(run.err.find("at t = 0 s the position is singular, a bifurcation") != std::string::npos, at_start);
+  }
+}
+
+TEST_F(Cli, LinearDocumentsSayWhatIsNearlySingular) {
+  const json document =
+      this->document("modes '" BRAMAH_SOURCE_DIR "/tests/cases/20-almost-singular-no-word/scene.json'");
+  ASSERT_EQ(document["notes"].size(), 1U);
+  EXPECT_EQ(document["notes"][0]["kind"], "nearly singular");
+}
+
 TEST_F(Cli, LinearizeHasNamesAndMatrices) {
   const json d = document("linearize " + scene_);
   EXPECT_EQ(d.at("states"), json::parse(R"(["crank.angle", "crank.angle.rate", "V1.p", "V2.p", "V3.p", "valve.U"])"));
