@@ -23,6 +23,7 @@ struct DirectionalValve {
   Input reference;
   Spool U;
   Output flow_A, flow_B;
+  Limit travel;
   Switch spool_centre, laminar_limit_A, laminar_limit_B;
   Parameter C_v = 1e-8, dp_lim = 2e5, tau = 0.01;
 
@@ -37,6 +38,7 @@ struct DirectionalValve {
     is.parameter("dp_lim", dp_lim, "Pa").by_default(2e5).above(0.0).doc("drop at which the flow turns turbulent");
     is.parameter("tau", tau, "s").above(0.0).doc("time constant of the spool");
     is.own("U", U, "1", "spool displacement over its full travel").nominal(1.0).start(0.0);
+    is.valid("U", travel, "1", 1.0, "spool displacement").at_least(-1.0, -HUGE_VAL).at_most(1.0, HUGE_VAL);
     is.output("flow_A", flow_A, "m^3/s", "flow into A");
     is.output("flow_B", flow_B, "m^3/s", "flow into B");
     is.switching("spool_centre", spool_centre, "1", 1.0, "the spool: the paths change");
@@ -74,6 +76,10 @@ struct DirectionalValve {
     const auto [Q_A, Q_B] = flows(at);
     y(flow_A) = Q_A;
     y(flow_B) = Q_B;
+  }
+  template <class T>
+  void validity(const At<T>& at, Values<T>& q) const {
+    q(travel) = at(U);
   }
   template <class T>
   void switches(const At<T>& at, Values<T>& s) const {

@@ -15,7 +15,8 @@
 //   A, C              kg.m^2   inertia about a diameter and about the axle; C <= 2 A
 //   a, rho            m        radius of the circle of the rim's centres; of the rim's section, 0 for a knife edge
 //   g    gravity      m/s^2
-// Multipliers: the force (N) of the wheel on the plane, negative on the wheel. lean stays inside +-pi/2.
+// Multipliers: the force (N) of the wheel on the plane, negative on the wheel. The law ends at lean = +-pi/2,
+// where the disc lies flat on the plane.
 #pragma once
 
 #include <bramah/component.hpp>
@@ -29,6 +30,7 @@ struct RollingDisc {
   Gravity gravity;
   Coordinate x, y, z, yaw, lean, spin;
   HolonomicRow contact;
+  Limit upright;
   NonholonomicRow rolling_x, rolling_y;
   Parameter mass = 1.0, A = 1.0, C = 1.0, a = 1.0, rho = 0.0;
   Vec2<Parameter> position = {};
@@ -59,6 +61,9 @@ struct RollingDisc {
     is.own("yaw", yaw, "rad", "heading, from x to y");
     is.own("lean", lean, "rad", "lean to the right");
     is.own("spin", spin, "rad", "spin about the axle");
+    is.valid("lean", upright, "rad", 1.0, "lean of the disc, which lies flat on the plane beyond")
+        .at_least(-0.5 * std::numbers::pi)
+        .at_most(0.5 * std::numbers::pi);
     is.holonomic("contact", contact, "m", "height of the lowest point of the rim");
     is.nonholonomic("rolling_x", rolling_x, "m/s", "velocity of the rim where it touches, along x");
     is.nonholonomic("rolling_y", rolling_y, "m/s", "velocity of the rim where it touches, along y");
@@ -111,6 +116,10 @@ struct RollingDisc {
     const T speed = square(at.rate(x)) + square(at.rate(y)) + square(at.rate(z));
     const T kinetic = 0.5 * (mass * speed + A * (square(turning * cos(at(lean))) + square(tilting)) + C * square(n));
     return kinetic + weight_energy(mass, at(gravity), Vec3<T>{at(x), at(y), at(z)});
+  }
+  template <class T>
+  void validity(const At<T>& at, Values<T>& q) const {
+    q(upright) = at(lean);
   }
   template <class T>
   void holonomic(const Positions<T>& at, Values<T>& rows) const {

@@ -86,6 +86,11 @@ Table row_table(std::span<const bramah_row_info> rows) {
   return table;
 }
 
+std::span<const bramah_limit_info> limits_of(const bramah_type& type) {
+  const auto* validity = extension<bramah_validity>(type, BRAMAH_EXTENSION_VALIDITY);
+  return validity == nullptr ? std::span<const bramah_limit_info>{} : list(validity->info, validity->count);
+}
+
 }  // namespace
 
 std::string type_text(const Registry& registry, const bramah_type& type) {
@@ -114,6 +119,19 @@ std::string type_text(const Registry& registry, const bramah_type& type) {
   section(out, "Holonomic rows", row_table(list(type.holonomic, type.holonomic_count)));
   section(out, "Nonholonomic rows", row_table(list(type.nonholonomic, type.nonholonomic_count)));
   section(out, "Outputs", row_table(list(type.outputs, type.output_count)));
+  Table validity;
+  for (const bramah_limit_info& limit : limits_of(type)) {
+    const auto bound = [&](double value) { return with_unit(short_number(value), safe(limit.unit)); };
+    std::string holds = (std::isfinite(limit.lower) ? "from " + bound(limit.lower) : std::string()) +
+                        (std::isfinite(limit.lower) && std::isfinite(limit.upper) ? " " : "") +
+                        (std::isfinite(limit.upper) ? "to " + bound(limit.upper) : std::string());
+    const bool warns = limit.lowest < limit.lower || limit.highest > limit.upper;
+    const double end = limit.lowest < limit.lower ? limit.lowest : limit.highest;
+    holds +=
+        !warns ? ", a run ends there" : ", a warning beyond" + (std::isfinite(end) ? ", the end at " + bound(end) : "");
+    validity.rows.push_back({safe(limit.name), holds, safe(limit.doc)});
+  }
+  section(out, "Where its law holds", validity);
   if (says_energy(type)) out += "\nSays what it stores: NAME.energy\n";
   return out + "\nIn a scene\n" + sample(type);
 }
@@ -171,6 +189,13 @@ std::string type_document(const Registry& registry, const bramah_type& type) {
   rows("holonomic_rows", list(type.holonomic, type.holonomic_count));
   rows("nonholonomic_rows", list(type.nonholonomic, type.nonholonomic_count));
   rows("outputs", list(type.outputs, type.output_count));
+  json.key("validity").begin_list();
+  for (const bramah_limit_info& limit : limits_of(type)) {
+    json.begin_flat_object().member("name", safe(limit.name)).member("unit", safe(limit.unit));
+    json.member("lower", limit.lower).member("upper", limit.upper);
+    json.member("lowest", limit.lowest).member("highest", limit.highest).member("doc", safe(limit.doc)).end_object();
+  }
+  json.end_list();
   json.member("says_energy", says_energy(type));
   json.end_object();
   return json.take();

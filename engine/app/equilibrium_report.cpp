@@ -69,6 +69,7 @@ void tell_equilibrium(const Context& context, const Equilibrium& equilibrium) {
   if (context.arguments.quiet) return;
   if (const std::string moved = moved_text(equilibrium); !moved.empty())
     say("note: the equilibrium is away from the start values: " + moved + '\n');
+  for (const std::string& beyond : equilibrium.beyond_limits) say("warning: at the equilibrium " + beyond + '\n');
   if (equilibrium.passed_unstable)
     say("note: the equilibrium nearest by Newton's method is unstable; this one is a minimum of the potential\n");
   if (equilibrium.free_directions.empty()) return;
@@ -138,6 +139,12 @@ void write_moved(JsonWriter& json, const Equilibrium& equilibrium) {
   json.end_object();
 }
 
+void write_beyond_limits(JsonWriter& json, const Equilibrium& equilibrium) {
+  json.key("beyond_limits").begin_list();
+  for (const std::string& text : equilibrium.beyond_limits) json.value(text);
+  json.end_list();
+}
+
 void write_equilibrium(JsonWriter& json, const Equilibrium* equilibrium, const Stability* stability) {
   json.key("equilibrium");
   if (equilibrium == nullptr) {
@@ -148,6 +155,7 @@ void write_equilibrium(JsonWriter& json, const Equilibrium* equilibrium, const S
   write_stability(json, *equilibrium, stability != nullptr ? *stability : Stability{});
   write_moved(json, *equilibrium);
   write_free_directions(json, equilibrium->free_directions);
+  write_beyond_limits(json, *equilibrium);
   json.end_object();
 }
 

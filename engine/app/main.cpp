@@ -7,6 +7,7 @@
 #include <string>
 
 #include "app/context.hpp"
+#include "app/crash.hpp"
 #include "app/failure.hpp"
 #include "app/verbs.hpp"
 #include "io/read_scene.hpp"
@@ -195,4 +196,7 @@ int guarded_run(int argc, char** argv) {
 }  // namespace
 }  // namespace bramah
 
-int main(int argc, char** argv) { return bramah::guarded_run(argc, argv); }
+int main(int argc, char** argv) {
+  bramah::tell_of_crashes();
+  return bramah::guarded_run(argc, argv);
+}

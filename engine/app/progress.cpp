@@ -18,6 +18,8 @@ constexpr int kBarWidth = 30;
 std::atomic<bool> interrupt_seen = false;  // a signal handler reaches nothing else
 static_assert(std::atomic<bool>::is_always_lock_free);
 
+constexpr int interrupts[] = {SIGINT, SIGTERM, SIGHUP};
+
 void note_interrupt(int) { interrupt_seen = true; }
 
 }  // namespace
@@ -52,10 +54,12 @@ InterruptGuard::InterruptGuard() {
   struct sigaction action = {};
   action.sa_handler = note_interrupt;
   action.sa_flags = static_cast<int>(SA_RESETHAND);
-  sigaction(SIGINT, &action, nullptr);
+  for (const int signal : interrupts) sigaction(signal, &action, nullptr);
 }
 
-InterruptGuard::~InterruptGuard() { std::signal(SIGINT, SIG_DFL); }
+InterruptGuard::~InterruptGuard() {
+  for (const int signal : interrupts) std::signal(signal, SIG_DFL);
+}
 
 bool InterruptGuard::interrupted() { return interrupt_seen; }
 

@@ -128,6 +128,15 @@ Table statistics_table(const Transient& transient) {
   return table;
 }
 
+std::vector<std::string> limit_warnings(const Simulation& simulation) {
+  std::vector<std::string> list;
+  for (const LimitPassed& passed : simulation.limits_passed)
+    list.push_back("from t = " + short_number(passed.first_time, 6) + " s on " + passed.component +
+                   " was beyond where its law holds: at t = " + short_number(passed.farthest_time, 6) + " s " +
+                   passed.text);
+  return list;
+}
+
 std::vector<AnalysisError> doubts_of(const Simulation& simulation) {
   constexpr double tolerable = 0.02;
   std::vector<AnalysisError> doubts;
@@ -185,6 +194,13 @@ void write_statistics(JsonWriter& json, const Transient& transient) {
   json.key("events").begin_list();
   for (const EventTaken& event : transient.simulation.events)
     json.begin_flat_object().member("time", event.time).member("name", event.name).end_object();
+  json.end_list();
+  json.key("limits_passed").begin_list();
+  for (const LimitPassed& passed : transient.simulation.limits_passed) {
+    json.begin_flat_object().member("component", passed.component).member("quantity", passed.quantity);
+    json.member("first_time", passed.first_time).member("farthest_time", passed.farthest_time);
+    json.member("farthest", passed.value).end_object();
+  }
   json.end_list();
   json.member("time_s", s.seconds).member("integrating_s", s.seconds_integrating);
   json.member("events_s", s.seconds_events).member("outputs_s", s.seconds_outputs);

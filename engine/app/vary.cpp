@@ -89,7 +89,7 @@ std::vector<double> values_at(const VaryOptions& options, std::size_t run) {
 }
 
 /// False where Ctrl-C came first.
-bool simulate_one(const Compiled& compiled, std::vector<double>& values) {
+bool simulate_one(const Compiled& compiled, std::vector<double>& values, std::string& warning) {
   const System& system = compiled.system;
   const SimulateOptions& options = compiled.options.simulate;
   const VaryOptions& vary = compiled.options.vary;
@@ -103,6 +103,7 @@ bool simulate_one(const Compiled& compiled, std::vector<double>& values) {
   const Simulation simulation = simulate(system, options, start, observer);
   if (simulation.stopped) return false;
   if (const auto doubts = doubts_of(simulation); !doubts.empty()) throw AnalysisError(doubts.front());
+  for (const std::string& one : limit_warnings(simulation)) warning += (warning.empty() ? "" : "; ") + one;
   values.push_back(figures.time());
   for (std::size_t output = 0; output < vary.of.size(); ++output) {
     for (const Figure figure : vary.figures) values.push_back(figures.figure(output, figure));
@@ -113,11 +114,13 @@ bool simulate_one(const Compiled& compiled, std::vector<double>& values) {
 void simulate_one(VariedScene& scene, VariedRun& run) {
   if (InterruptGuard::interrupted()) return;
   bool whole = true;
+  std::string warning;
   run.message = reason_against([&] {
     const VariedScene::Compilation compilation(scene, run.at);
-    whole = simulate_one(compilation.get(), run.values);
+    whole = simulate_one(compilation.get(), run.values, warning);
   });
   if (whole) run.status = run.message.empty() ? VariedRun::Status::ok : VariedRun::Status::failed;
+  if (run.status == VariedRun::Status::ok) run.message = warning;
 }
 
 /// Value of `sorted` below which lies `share` of all.

@@ -21,7 +21,7 @@ struct VariedRun {
   Status status = Status::interrupted;
   std::vector<double> at;      // of the parameters, SI
   std::vector<double> values;  // of the figures; empty unless ok
-  std::string message;         // of a failure
+  std::string message;         // why it failed; of a run that is ok: where it was beyond a law's limits
 };
 
 struct FigureStatistics {

@@ -58,6 +58,11 @@ std::string failures_text(const Vary& vary) {
   }
   const std::size_t failed = vary.count(VariedRun::Status::failed);
   if (failed > shown) text += "... " + counted(failed, "failed run") + " in all.\n";
+  const auto warned = [](const VariedRun& run) { return run.status == VariedRun::Status::ok && !run.message.empty(); };
+  if (const auto first = std::find_if(vary.runs.begin(), vary.runs.end(), warned); first != vary.runs.end())
+    text += "Warning: " + counted(static_cast<std::size_t>(std::count_if(first, vary.runs.end(), warned)), "run") +
+            " went beyond where a law holds, run " + std::to_string(first - vary.runs.begin() + 1) +
+            " for one: " + first->message + "\n";
   if (vary.interrupted)
     text += "Interrupted: " + counted(vary.count(VariedRun::Status::ok), "complete run") + " kept.\n";
   return text.empty() ? "" : "\n" + text;

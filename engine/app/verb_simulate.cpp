@@ -158,6 +158,7 @@ int run(const Arguments& arguments) {
     say(as_text(statistics_table(transient), ""));
     if (!series.file().empty()) say("wrote " + series.file().string() + " and " + saved.string() + '\n');
   }
+  for (const std::string& warning : limit_warnings(transient.simulation)) say("warning: " + warning + '\n');
   for (const AnalysisError& doubt : doubts_of(transient.simulation))
     say("warning: " + std::string(doubt.what()) + '\n');
   if (transient.interrupted)

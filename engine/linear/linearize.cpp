@@ -160,6 +160,7 @@ void Linearizer::evaluate(const State& state) {
   if (!outputs_.empty()) request.blocks({BRAMAH_Y_X, BRAMAH_Y_V, BRAMAH_Y_A, BRAMAH_Y_Z, BRAMAH_Y_U, BRAMAH_Y_LAMBDA});
   const Outcome outcome = blocks_.evaluate(system_, state, request);
   if (!outcome.ok()) cannot_evaluate(outcome);
+  if (const Outcome partials = blocks_.check_partials(system_); !partials.ok()) cannot_evaluate(partials);
   fill(loads_, blocks_);
   check_consistent();
   kkt_.factor(blocks_);

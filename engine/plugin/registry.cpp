@@ -1,5 +1,7 @@
 #include "plugin/registry.hpp"
 
+#include "plugin/border.hpp"
+
 #include <dlfcn.h>
 #include <elf.h>
 
@@ -172,6 +174,25 @@ std::string defect(const bramah_type& type, std::string_view library) {
   if (slots[0] + own[0] != type.nx || slots[1] + own[1] != type.nz || slots[2] != type.nu) {
     return "its local variables do not add up";
   }
+  if (const auto* switches = extension<bramah_switches>(type, BRAMAH_EXTENSION_SWITCHES)) {
+    if (switches->count < 0 || switches->values == nullptr || (switches->count > 0 && switches->info == nullptr))
+      return "its switching functions are incomplete";
+    for (std::int32_t i = 0; i < switches->count; ++i) {
+      if (!all_said({switches->info[i].name, switches->info[i].unit}) || !(switches->nominal[i] > 0.0))
+        return "a switching function has no name, unit or nominal above zero";
+    }
+  }
+  if (const auto* validity = extension<bramah_validity>(type, BRAMAH_EXTENSION_VALIDITY)) {
+    if (validity->count < 0 || validity->values == nullptr || (validity->count > 0 && validity->info == nullptr))
+      return "its limits are incomplete";
+    for (std::int32_t i = 0; i < validity->count; ++i) {
+      const bramah_limit_info& limit = validity->info[i];
+      if (!all_said({limit.name, limit.doc, limit.unit}) || !(limit.nominal > 0.0))
+        return "a limit has no name, doc, unit or nominal above zero";
+      if (!(limit.lowest <= limit.lower && limit.lower < limit.upper && limit.upper <= limit.highest))
+        return "limit \"" + text(limit.name) + "\" has bounds in a wrong order";
+    }
+  }
   for (std::int32_t i = 0; i < type.terminal_count; ++i) {
     fault = defect(type, type.terminals[i], own);
     if (!fault.empty()) return "terminal \"" + text(type.terminals[i].name) + "\" " + fault;
@@ -298,6 +319,20 @@ void Registry::load(std::string_view name) {
     if (fs::exists(folder / (word + ".so"), ignored)) found.push_back(folder / (word + ".so"));
     looked += (looked.empty() ? "" : ", ") + folder.string();
   }
+  for (const fs::path& folder : search_path_) {
+    std::error_code ignored;
+    const fs::path file = folder / (word + ".so");
+    if (found.empty() && fs::is_symlink(file, ignored)) {
+      throw PluginError(
+          "library-missing",
+          file.string() + " is a link to " + fs::read_symlink(file, ignored).string() + ", which does not exist",
+          "a library file", "mend the link, or build the library");
+    }
+    if (found.empty() && fs::is_regular_file(folder, ignored)) {
+      throw PluginError("library-missing", folder.string() + " in BRAMAH_PLUGIN_PATH is a file",
+                        "a folder of libraries", "name its folder, " + folder.parent_path().string());
+    }
+  }
   if (found.empty()) {
     std::string offered, meant;
     for (const std::string& other : available()) {
@@ -350,10 +385,17 @@ void Registry::load(std::string_view name) {
   }
   // POSIX guarantees that a function's address survives the trip through void*.
   const auto entry = reinterpret_cast<bramah_library_function>(symbol);
+  border_call() = {BRAMAH_ENTRY_POINT, file.c_str(), nullptr, 1};
   const bramah_library* library = entry();
+  border_call() = {};
   if (library == nullptr) {
-    throw PluginError("library-broken", file.string() + " gave no table", "a table of component types",
-                      "look for an exception in a component's describe");
+    void* fault = dlsym(handle, BRAMAH_FAULT_POINT);
+    const std::string why =
+        fault == nullptr ? std::string() : text(reinterpret_cast<bramah_library_fault_function>(fault)());
+    throw PluginError("library-broken", file.string() + " gave no table" + (why.empty() ? "" : ": " + why),
+                      "a table of component types",
+                      why.empty() ? "look for an exception in a component's describe"
+                                  : "mend the component, and build the library again");
   }
   check_epoch(*library, file);
   if (text(library->name) != word) {
@@ -403,6 +445,11 @@ void Registry::add(const bramah_library* library, const fs::path& origin) {
   for (std::int32_t i = 0; i < library->type_count; ++i) {
     types_.emplace(library->types[i]->name, Entry{library->types[i], name});
   }
+}
+
+const char* file_of(const bramah_type& type) {
+  Dl_info file{};
+  return dladdr(reinterpret_cast<const void*>(type.evaluate), &file) == 0 ? nullptr : file.dli_fname;
 }
 
 const bramah_type* Registry::find(std::string_view type) const {

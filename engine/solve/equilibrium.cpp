@@ -7,7 +7,7 @@
 
 #include "solve/assemble.hpp"
 #include "solve/settling.hpp"
-#include "system/analysis_error.hpp"
+#include "system/limits.hpp"
 #include "system/message.hpp"
 
 namespace bramah {
@@ -158,6 +158,9 @@ class Search {
     }
     std::fill(state.a.begin(), state.a.end(), 0.0);
     std::fill(state.zdot.begin(), state.zdot.end(), 0.0);
+    Limits limits(system_);
+    limits.require("equilibrium", state);
+    for (auto& [k, text] : limits.passed(state)) result_.beyond_limits.push_back(std::move(text));
     note_moves(state);
     result_.state = std::move(state);
     return std::move(result_);

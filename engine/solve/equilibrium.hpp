@@ -35,6 +35,7 @@ struct Equilibrium {
   bool passed_unstable = false;
   std::vector<FreeDirection> free_directions;
   std::vector<RedundantSet> redundancy;  // where not empty, multipliers are not unique: those of least norm are given
+  std::vector<std::string> beyond_limits;  // of laws that go on there: "the pressure, P.p, is -10 Pa, below 0 Pa"
   std::vector<Moved> moved;              // all that left their assembled start values, the farthest first
 };
 

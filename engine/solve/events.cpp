@@ -46,18 +46,24 @@ bool rearms(const EventOptions& event, const EventOptions& other) {
 }  // namespace
 
 Events::Events(const System& system, const SimulateOptions& options, Kkt& kkt)
-    : system_(system), kkt_(kkt), switches_(system), conditions_(options.events), blocks_(system) {
+    : system_(system), kkt_(kkt), switches_(system), limits_(system), conditions_(options.events), blocks_(system) {
   if (options.meet_switches) {
     for (const Switches::Info& info : switches_.info()) watches_.emplace_back().size = info.nominal;
   }
   switching_ = watches_.size();
+  for (std::size_t k = 0; k < limits_.info().size(); ++k) {
+    if (!limits_.info()[k].ends) continue;
+    watches_.emplace_back().size = limits_.info()[k].nominal;
+    ending_.push_back(k);
+  }
+  conditional_ = watches_.size();
   std::vector<Measured> watched;
   for (const EventOptions& condition : conditions_) {
     watched.push_back(condition.of);
     Watch& watch = watches_.emplace_back();
     watch.size = size_of(system, condition.of);
     for (std::size_t k = 0; k < conditions_.size(); ++k) {
-      if (rearms(condition, conditions_[k])) watch.rearms.push_back(switching_ + k);
+      if (rearms(condition, conditions_[k])) watch.rearms.push_back(conditional_ + k);
     }
     using Kind = Measured::Kind;
     const Kind kind = condition.of.kind;
@@ -68,18 +74,29 @@ Events::Events(const System& system, const SimulateOptions& options, Kkt& kkt)
 }
 
 std::string Events::name(std::size_t event) const {
-  if (event >= switching_) return conditions_[event - switching_].name;
+  if (event >= conditional_) return conditions_[event - conditional_].name;
+  if (const auto k = limit(event))
+    return system_.component_name(limits_.info()[*k].component) + "." + limits_.info()[*k].name;
   const Switches::Info& info = switches_.info()[event];
   return system_.component_name(info.component) + "." + info.name;
 }
 
 const EventOptions* Events::condition(std::size_t event) const {
-  return event < switching_ ? nullptr : &conditions_[event - switching_];
+  return event < conditional_ ? nullptr : &conditions_[event - conditional_];
+}
+
+std::optional<std::size_t> Events::limit(std::size_t event) const {
+  if (event < switching_ || event >= conditional_) return std::nullopt;
+  return ending_[event - switching_];
 }
 
 const Vector& Events::evaluate(State& state) {
   values_.clear();
   if (switching_ > 0) values_ = switches_.evaluate(state);
+  if (!ending_.empty()) {
+    const Vector& inside = limits_.evaluate(state);
+    for (const std::size_t k : ending_) values_.push_back(inside[k]);
+  }
   if (conditions_.empty()) return values_;
   if (needs_forces_) {
     kkt_.forget_pivots();  // the time of an event is the same in a continued run
@@ -92,8 +109,8 @@ const Vector& Events::evaluate(State& state) {
 
 double Events::band(std::size_t event, double value) const {
   const Watch& watch = watches_[event];
-  if (event < switching_) return band_of_range * watch.size;
-  const double level = conditions_[event - switching_].level;
+  if (event < conditional_) return band_of_range * watch.size;
+  const double level = conditions_[event - conditional_].level;
   const double rounded = rounding * std::max(std::abs(level), std::abs(value + level));
   return std::max({rounded, band_of_range * (watch.high - watch.low), least * watch.size});
 }
@@ -107,8 +124,9 @@ int Events::side(std::size_t event, double value) const {
 }
 
 /// Whether a change to the side `to` is an event: conditions count in their direction only, and also where they leave the
-/// level on which they started.
+/// level on which they started; so do limits, where they are passed.
 bool Events::counts(std::size_t event, int to) const {
+  if (limit(event)) return to < 0 && watches_[event].side >= 0;
   const EventOptions* watched = condition(event);
   const int from = watches_[event].side;
   if (to == 0 || to == from || (from == 0 && watched == nullptr)) return false;

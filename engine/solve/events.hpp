@@ -1,4 +1,5 @@
-// Events: zeros of the components' switching functions and conditions of the scene, located within a step.
+// Events: zeros of the components' switching functions, limits of their laws and conditions of the scene, located within a
+// step.
 #pragma once
 
 #include <functional>
@@ -10,6 +11,7 @@
 #include "solve/event_memory.hpp"
 #include "solve/kkt.hpp"
 #include "system/blocks.hpp"
+#include "system/limits.hpp"
 #include "system/measure.hpp"
 #include "system/options.hpp"
 #include "system/switches.hpp"
@@ -30,8 +32,11 @@ class Events {
   [[nodiscard]] bool none() const { return watches_.empty(); }
   /// "relief.crack" of a component, or the name that the scene gives.
   [[nodiscard]] std::string name(std::size_t event) const;
-  /// The scene's condition, null for a switching function.
+  /// The scene's condition, null for a switching function or a limit.
   [[nodiscard]] const EventOptions* condition(std::size_t event) const;
+  /// Which of `limits` the event is; none for others.
+  [[nodiscard]] std::optional<std::size_t> limit(std::size_t event) const;
+  [[nodiscard]] Limits& limits() { return limits_; }
 
   /// Notes on which side of every event `state` lies, where integration starts; with the conditions that a jump at this
   /// time has made true, an input's or that of another event. Not at the first start: what is true there has not come true.
@@ -70,7 +75,9 @@ class Events {
   const System& system_;
   Kkt& kkt_;
   Switches switches_;
-  std::size_t switching_;  // how many of the events are switching functions
+  Limits limits_;
+  std::vector<std::size_t> ending_;      // of limits_, those that end a run
+  std::size_t switching_, conditional_;  // the first event that is a limit, a condition
   std::vector<EventOptions> conditions_;
   bool needs_forces_ = false;   // a condition watches what only the KKT solve gives
   std::optional<Meter> meter_;  // of what conditions watch

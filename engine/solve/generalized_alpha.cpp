@@ -413,7 +413,7 @@ bool GeneralizedAlpha::form_matrix(const State& state, double h) {
   for (std::size_t e = 0; e < values_.size(); ++e) {
     values_[e] = matrix_.values()[e] * column_scale_[e];
     if (!std::isfinite(values_[e])) {
-      trouble_ = "a partial derivative is not finite";
+      trouble_ = blocks_.check_partials(system_).message;
       return false;
     }
   }

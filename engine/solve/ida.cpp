@@ -229,7 +229,7 @@ int Ida::jacobian(double t, double cj, const double* y, const double* yp, SUNMat
   for (Index e = 0; e < jacobian_.nonzeros(); ++e) {
     values[e] = jacobian_.values()[at(e)] * column_scale_[at(e)];
     if (!std::isfinite(values[e])) {
-      trouble_ = "a partial derivative is not finite";
+      trouble_ = blocks_.check_partials(system_).message;
       return 1;
     }
   }

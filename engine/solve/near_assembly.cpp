@@ -269,6 +269,10 @@ std::vector<Move> find_assemblies_on_either_side(const System& system, const Sta
   return {};
 }
 
+bool is_nearly_singular(const System& system, const State& state) {
+  return system.m() > 0 && FreeRows(system, state, {}, false).nearly_singular();
+}
+
 std::optional<SingularPosition> find_singular_position(const System& system, const State& state) {
   constexpr int motions = 24;           // enough for both signs of a form that has them
   constexpr double cancels = 1e-6;      // of its terms: what rounding of the scene's data leaves of a sum that is zero

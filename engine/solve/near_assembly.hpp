@@ -57,4 +57,7 @@ struct SingularPosition {
 /// tell which. Where no row was dropped, the smallest singular value tells how near such a position is.
 std::optional<SingularPosition> find_singular_position(const System& system, const State& state);
 
+/// Whether a pivot of the free rows at `state` is small: a tenth of its row.
+bool is_nearly_singular(const System& system, const State& state);
+
 }  // namespace bramah

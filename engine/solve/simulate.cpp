@@ -12,6 +12,7 @@
 #include "solve/dropped_rows.hpp"
 #include "solve/events.hpp"
 #include "solve/kkt.hpp"
+#include "solve/near_assembly.hpp"
 #include "system/analysis_error.hpp"
 #include "system/message.hpp"
 
@@ -22,6 +23,8 @@ constexpr long most_steps_in_segment = 50'000'000;
 // Events that follow each other faster than this part of the run have no end: a law that jumps, or a contact that rattles.
 constexpr double least_distance = 1e-10;
 constexpr int most_crowded_events = 1000;
+// Steps of the one-step method over a position that the chosen method does not pass.
+constexpr int shortest_bridge = 20;
 
 class Stopwatch {
  public:
@@ -85,7 +88,10 @@ class Run {
         schedule_(options, start.t),
         state_(start),
         shown_(start),
-        limited_(static_cast<std::size_t>(2 * system.n() + system.nz()), 0) {}
+        limited_(static_cast<std::size_t>(2 * system.n() + system.nz()), 0),
+        beyond_(events_.limits().info().size()) {
+    for (const Limits::Info& limit : events_.limits().info()) has_soft_limits_ |= !limit.ends;
+  }
 
   Simulation march();
   /// Continues what the checkpoint remembers, with no output at the start.
@@ -97,8 +103,12 @@ class Run {
   void state_at(double t, State& state);
   void complete(State& state);
   void project();
-  [[nodiscard]] Integrator& integrator() const { return *chosen_.integrator; }
+  [[nodiscard]] Integrator& integrator() const { return bridge_ ? *bridge_ : *chosen_.integrator; }
   std::optional<double> step();
+  std::optional<double> step_or_bridge();
+  void begin_bridge(const AnalysisError& why);
+  void end_bridge();
+  void check_branch(double reached);
   bool loses_digits();
   void choose_rows_anew(Partition partition, const std::optional<AnalysisError>& why);
   bool follow_without_end(double t);
@@ -108,6 +118,7 @@ class Run {
   void take(const Events::Hit& hit);
   void emit(double t);
   void note_step(double step);
+  void note_limits();
   void conclude(double seconds);
 
   const System& system_;
@@ -115,6 +126,10 @@ class Run {
   const Observer& observer_;
   State chosen_at_;
   ChosenIntegrator chosen_;
+  std::unique_ptr<Integrator> bridge_;  // instead of the chosen one, over a position that it does not pass
+  std::optional<AnalysisError> bridged_;
+  double bridged_from_ = -HUGE_VAL, bridged_to_ = -HUGE_VAL;
+  int bridge_steps_ = 0, bridge_length_ = shortest_bridge;
   Blocks blocks_;
   std::optional<DroppedRows> dropped_;
   std::optional<Kkt> kkt_;  // others refer to it: where rows are chosen anew it stays in its place
@@ -133,6 +148,12 @@ class Run {
   double last_event_ = -HUGE_VAL;
   int crowded_ = 0;  // events in a row that came too soon
   std::vector<long> limited_;
+  /// The farthest beyond each limit of a law that goes on there.
+  struct Beyond {
+    double first_time = 0.0, farthest_time = 0.0, inside = 0.0;
+  };
+  std::vector<Beyond> beyond_;
+  bool has_soft_limits_ = false;
   Stopwatch watch_;
   Simulation result_;
 };
@@ -163,11 +184,20 @@ std::optional<Events::Hit> Run::begin_segment() {
   state_.side = 1;
   apply_inputs(system_, state_);
   kkt_->forget_pivots();
-  complete(state_);
+  try {
+    complete(state_);
+  } catch (const AnalysisError& error) {  // the rows depend on each other just here
+    Partition partition = choose_partition(system_, state_);
+    if (partition.rows == dropped_->kept()) throw;
+    choose_rows_anew(std::move(partition), error);
+    complete(state_);
+  }
   integrator().begin(state_, segment_end_);
   remembers_ = !integrator().memory().empty();
   if (!memory_.empty()) integrator().recall(std::exchange(memory_, {}));
   anew_ = false;
+  events_.limits().require("simulate", state_);
+  note_limits();
   auto hit = events_.arm(state_);
   book_.begin(state_);
   if (started_) ++result_.statistics.restarts;
@@ -201,6 +231,7 @@ void Run::note_step(double step) {
   s.smallest_step = s.smallest_step == 0.0 ? step : std::min(s.smallest_step, step);
   s.largest_step = std::max(s.largest_step, step);
   if (const Index limiting = integrator().limiting(); limiting >= 0) ++limited_[static_cast<std::size_t>(limiting)];
+  note_limits();
   const Violation violation = constraint_violation(system_, state_, blocks_);
   if (violation.position > s.worst_position) {
     s.worst_position = violation.position;
@@ -209,6 +240,20 @@ void Run::note_step(double step) {
   if (violation.velocity > s.worst_velocity) {
     s.worst_velocity = violation.velocity;
     s.worst_velocity_row = system_.constraint(violation.velocity_row).name;
+  }
+}
+
+/// Limits that are passed where the law goes on; what rounding leaves of one does not count.
+void Run::note_limits() {
+  if (!has_soft_limits_) return;
+  constexpr double notable = 1e-9;  // of the nominal
+  const std::vector<Limits::Info>& limits = events_.limits().info();
+  const Vector& inside = events_.limits().evaluate(state_);
+  for (std::size_t k = 0; k < limits.size(); ++k) {
+    if (limits[k].ends || !(inside[k] < std::min(-notable * limits[k].nominal, beyond_[k].inside))) continue;
+    if (beyond_[k].inside == 0.0) beyond_[k].first_time = state_.t;
+    beyond_[k].farthest_time = state_.t;
+    beyond_[k].inside = inside[k];
   }
 }
 
@@ -235,6 +280,10 @@ bool Run::follow_without_end(double t) {
 /// What the scene asks for at an event; outputs on both sides where it does.
 void Run::take(const Events::Hit& hit) {
   anew_ = true;
+  for (const std::size_t event : hit.what) {
+    const auto limit = events_.limit(event);
+    if (limit) throw events_.limits().error("simulate", hit.time, *limit, events_.limits().evaluate(state_)[*limit]);
+  }
   const double distance = hit.time - last_event_;
   if (follow_without_end(hit.time)) {
     const std::string& name = events_.name(hit.what.front());
@@ -298,6 +347,69 @@ std::optional<double> Run::step() {
   return std::nullopt;
 }
 
+/// IDA solves for all rows at once and does not pass exactly through a position where they depend on each other. One-step
+/// methods do (their rows are softened, their steps controlled), and take a few steps in its place; the explicit one in
+/// place of the implicit one. A fixed step is not controlled: beside such a position it may change the branch, and ends.
+std::optional<double> Run::step_or_bridge() {
+  using Kind = SimulateOptions::Integrator;
+  const Kind kind = integrator_called(chosen_.integrator->name());
+  try {
+    const std::optional<double> reached = step();
+    if (reached && !dropped_->any() && kind == Kind::generalized_alpha) check_branch(*reached);
+    return reached;
+  } catch (const AnalysisError& why) {
+    if (bridge_) throw AnalysisError(*bridged_);
+    const bool bridges = kind == Kind::ida || kind == Kind::implicit_one_step;
+    if (!bridges || !is_nearly_singular(system_, state_)) throw;
+    begin_bridge(why);
+    return std::nullopt;
+  }
+}
+
+/// Throws where a fixed step changes the velocity by much beside a singular position: it may have changed the branch.
+void Run::check_branch(double reached) {
+  constexpr double much = 0.1;
+  state_at(reached, shown_);
+  double change = 0.0, before = 0.0, after = 0.0;
+  for (std::size_t i = 0; i < system_.x.size(); ++i) {
+    const double size = system_.x[i].size;
+    change += std::pow((shown_.v[i] - state_.v[i]) / size, 2);
+    before += std::pow(state_.v[i] / size, 2);
+    after += std::pow(shown_.v[i] / size, 2);
+  }
+  if (change <= much * much * std::max(before, after) || !is_nearly_singular(system_, shown_)) return;
+  throw AnalysisError(
+      "simulate",
+      "at t = " + digits(reached, 6) + " s a step of " + digits(reached - state_.t) + " s changes the velocity by " +
+          digits(100.0 * std::sqrt(change / std::max(before, after)), 2) + " % beside a singular position",
+      "steps that tell the branches apart",
+                      "set a shorter \"step\", or the integrator \"explicit\"", "/simulate/step");
+}
+
+void Run::begin_bridge(const AnalysisError& why) {
+  anew_ = true;
+  const bool again = state_.t <= bridged_to_ + (bridged_to_ - bridged_from_);
+  bridge_length_ = again ? 2 * bridge_length_ : shortest_bridge;
+  bridge_steps_ = 0;
+  bridged_ = why;
+  bridged_from_ = state_.t;
+  using Kind = SimulateOptions::Integrator;
+  SimulateOptions other = options_;
+  const bool implicit = integrator_called(chosen_.integrator->name()) == Kind::implicit_one_step;
+  other.integrator = implicit ? Kind::explicit_one_step : Kind::implicit_one_step;
+  bridge_ = choose_integrator(system_, other, chosen_at_).integrator;
+}
+
+void Run::end_bridge() {
+  anew_ = true;
+  bridged_to_ = state_.t;
+  before_ += bridge_->work();
+  const std::string passed(bridge_->name());
+  bridge_.reset();
+  result_.events.push_back({bridged_from_, std::string(chosen_.integrator->name()) + " does not pass, bridged by " +
+                                               passed + " to t = " + digits(state_.t, 6) + " s"});
+}
+
 /// Whether accelerations lost digits since this was asked and said: other rows may keep them.
 bool Run::loses_digits() {
   const long imprecise = integrator().work().imprecise;
@@ -312,6 +424,7 @@ void Run::choose_rows_anew(Partition partition, const std::optional<AnalysisErro
   if (why && (partition.rows == dropped_->kept() || follow_without_end(state_.t))) throw AnalysisError(*why);
   anew_ = true;
   const std::string left_out = row_names(system_, left_out_by(partition));
+  if (bridge_) end_bridge();
   before_ += integrator().work();
   look_again_at_ = 1;
   chosen_at_ = state_;
@@ -329,7 +442,7 @@ void Run::march_segment() {
   const auto interpolate = [this](double t, State& state) { state_at(t, state); };
   for (long steps = 0; state_.t < segment_end_ && running_; ++steps) {
     const double before = state_.t;
-    const std::optional<double> stepped = this->step();
+    const std::optional<double> stepped = step_or_bridge();
     if (!stepped) return;
     double reached = *stepped;
     const double step = reached - before;
@@ -364,8 +477,10 @@ void Run::march_segment() {
       choose_rows_anew(choose_partition(system_, state_), why);
       return;
     }
+    const bool bridged = bridge_ && ++bridge_steps_ >= bridge_length_;
+    if (bridged) end_bridge();
     if (observer_.checkpoint_due && observer_.checkpoint_due()) observer_.checkpoint(checkpoint());
-    if (!hit) continue;
+    if (!hit && !bridged) continue;
     return;
   }
 }
@@ -395,6 +510,7 @@ Simulation Run::march() {
 
 void Run::conclude(double seconds) {
   SimulationStatistics& s = result_.statistics;
+  if (bridge_) end_bridge();
   static_cast<IntegratorWork&>(s) = before_;
   s += integrator().work();
   s.integrator = integrator_name() + (chosen_.reason.empty() ? "" : ", chosen: " + chosen_.reason);
@@ -404,6 +520,14 @@ void Run::conclude(double seconds) {
   if (most != limited_.end() && *most > 0) {
     s.limiting = variable_name(system_, most - limited_.begin());
     s.limiting_share = static_cast<double>(*most) / static_cast<double>(std::max(s.steps, 1L));
+  }
+  for (std::size_t k = 0; k < beyond_.size(); ++k) {
+    if (beyond_[k].inside == 0.0) continue;
+    const Limits::Info& limit = events_.limits().info()[k];
+    result_.limits_passed.push_back({system_.component_name(limit.component), limit.name,
+                                     events_.limits().text(k, beyond_[k].inside), beyond_[k].first_time,
+                                     beyond_[k].farthest_time,
+                                     limit.bound + (limit.lower ? beyond_[k].inside : -beyond_[k].inside)});
   }
   result_.last = state_;
   result_.checkpoint = checkpoint();

@@ -19,6 +19,13 @@ struct EventTaken {
   std::string name;  // "relief.crack", or as the scene calls it
 };
 
+/// A limit of a law that was passed, where the law goes on meaningfully.
+struct LimitPassed {
+  std::string component, quantity;  // "P", "p"
+  std::string text;                 // of the farthest beyond: "the pressure, P.p, is -12000 Pa, below 0 Pa"
+  double first_time = 0.0, farthest_time = 0.0, value = 0.0;
+};
+
 struct SimulationStatistics : IntegratorWork {
   std::string integrator;                             // which one, and why where it was chosen
   long restarts = 0;                                  // at breakpoints of the inputs and at events
@@ -59,6 +66,7 @@ struct Simulation {
   bool stopped = false;    // by the observer
   std::string stopped_by;  // the scene's event that ended the run
   std::vector<EventTaken> events;
+  std::vector<LimitPassed> limits_passed;
 };
 
 /// A run that could not go on: the same message, and the last good state.

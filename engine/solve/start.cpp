@@ -8,6 +8,7 @@
 #include "solve/kkt.hpp"
 #include "solve/near_assembly.hpp"
 #include "solve/redundancy.hpp"
+#include "system/limits.hpp"
 #include "system/message.hpp"
 
 namespace bramah {
@@ -137,6 +138,16 @@ std::optional<StartNote> singular_note(const System& system, const State& state)
 
 namespace {
 
+/// Laws that go on beyond their limits, and do so at the start.
+void add_limit_notes(const System& system, const State& state, std::vector<StartNote>& notes) {
+  Limits limits(system);
+  for (const auto& [k, text] : limits.passed(state)) {
+    const Limits::Info& limit = limits.info()[k];
+    const std::string& name = system.component_name(limit.component);
+    notes.push_back({"beyond a limit", {name + "." + limit.name}, text, "check the start values of " + name});
+  }
+}
+
 std::vector<Index> changed_rates(const System& system, const State& state) {
   std::vector<Index> changed = given_rates(system);
   std::erase_if(changed, [&](Index index) {
@@ -152,6 +163,7 @@ std::vector<Index> changed_rates(const System& system, const State& state) {
 State consistent_start(const System& system, const Options& options, double t) {
   State state = initial_state(system, t);
   assemble_start(system, options, state);
+  require_within_limits(system, "start", state);
   complete(system, state);
   return state;
 }
@@ -181,6 +193,7 @@ std::vector<StartNote> start_notes(const System& system, const Options& options,
   if (const auto rounding = note_on_rounding(system, state)) notes.push_back(*rounding);
   if (const auto singular = singular_note(system, state)) notes.push_back(*singular);
   if (equilibrium) return notes;
+  add_limit_notes(system, state, notes);
   if (const std::vector<Index> changed = changed_rates(system, state); !changed.empty())
     notes.push_back(note_on(system, changed, state));
   return notes;

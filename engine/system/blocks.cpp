@@ -5,6 +5,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "plugin/border.hpp"
 #include "system/analysis_error.hpp"
 #include "system/scene.hpp"
 
@@ -205,6 +206,8 @@ Outcome Blocks::evaluate_all(const System& system, const State& state, const Dir
 int Blocks::call(const System& system, const Run& run, const Direction* along, bramah_batch& batch) {
   const Group& group = system.groups[run.group];
   const bramah_type& type = *group.type;
+  const AtBorder at("evaluate", system.component_name(group.component[static_cast<std::size_t>(run.first)]).c_str(),
+                    type, run.count);
   if (along == nullptr) return type.evaluate(type.self, &batch);
   if (const auto* tangent = extension<bramah_tangent>(type, BRAMAH_EXTENSION_TANGENT)) {
     const bramah_direction direction{sizeof(bramah_direction), along_.x.data(),     along_.v.data(),
@@ -283,37 +286,9 @@ Outcome Blocks::failure(const System& system, const Group& group, Index instance
   Outcome outcome;
   outcome.status = status > 0 ? Outcome::Status::recoverable : Outcome::Status::fatal;
   outcome.component = component;
-  outcome.message = system.component_name(component) + " (" + group.type->name + ") cannot be evaluated: " + why;
-  return outcome;
-}
-
-Outcome Blocks::check_finite(const System& system, const Request& request, const char* prefix) const {
-  const auto look = [](bool wanted, const Vector& rows) -> Index {
-    if (!wanted) return -1;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (!std::isfinite(rows[i])) return static_cast<Index>(i);
-    }
-    return -1;
-  };
-  Outcome outcome;
-  const auto report = [&](const std::string& what, const auto& row) {
-    outcome.status = Outcome::Status::recoverable;
-    outcome.message = prefix + what + row.name + " is not finite";
-    outcome.component = row.component;
-  };
-  if (const Index i = look(request.f, f); i >= 0) {
-    report("the force balance of ", system.x[static_cast<std::size_t>(i)]);
-  } else if (const Index j = look(request.g, g); j >= 0) {
-    report("the storage balance of ", system.z[static_cast<std::size_t>(j)]);
-  } else if (const Index k = look(request.c, c); k >= 0) {
-    report("the constraint ", system.holonomic[static_cast<std::size_t>(k)]);
-  } else if (const Index p = look(request.r, r); p >= 0) {
-    report("the rate of constraint ", system.constraint(p));
-  } else if (const Index q = look(request.s, s); q >= 0) {
-    report("the acceleration of constraint ", system.constraint(q));
-  } else if (const Index o = look(request.y, y); o >= 0) {
-    report("the output ", system.outputs[static_cast<std::size_t>(o)]);
-  }
+  outcome.message =
+      system.component_name(component) + " (" + group.type->name + ") cannot be evaluated: " +
+      (why[0] != '\0' ? std::string(why) : "it gave status " + std::to_string(status) + " without a message");
   return outcome;
 }
 
@@ -361,7 +336,97 @@ class GlobalIndex {
   Index n_, zu_, m_;
 };
 
+/// "the force balance of m.x"; a row that leads nowhere has no name.
+std::string name_of_row(const System& system, int block, Index row) {
+  const auto i = static_cast<std::size_t>(row);
+  if (row < 0) return "a row that leads nowhere";
+  switch (row_family(block)) {
+    case RowFamily::force: return "the force balance of " + system.x[i].name;
+    case RowFamily::storage:
+      return "the storage balance of " +
+             (i < system.z.size() ? system.z[i].name : system.inputs[i - system.z.size()].name);
+    case RowFamily::holonomic: return "the constraint " + system.holonomic[i].name;
+    case RowFamily::constraint: return "the constraint " + system.constraint(row).name;
+    case RowFamily::output: return "the output " + system.outputs[i].name;
+  }
+  return "";
+}
+std::string name_of_column(const System& system, int block, Index column) {
+  const auto i = static_cast<std::size_t>(column);
+  if (column < 0) return "a constant";
+  switch (column_family(block)) {
+    case ColumnFamily::x: {
+      const bool rate = block == BRAMAH_F_V || block == BRAMAH_G_V || block == BRAMAH_R_V || block == BRAMAH_S_V ||
+                        block == BRAMAH_Y_V;
+      const bool second = block == BRAMAH_F_A || block == BRAMAH_Y_A;
+      return system.x[i].name + (rate ? ".rate" : second ? ".acceleration" : "");
+    }
+    case ColumnFamily::z:
+      return (i < system.z.size() ? system.z[i].name : system.inputs[i - system.z.size()].name) +
+             (block == BRAMAH_G_ZDOT ? ".rate" : "");
+    case ColumnFamily::u: return i < system.z.size() ? system.z[i].name : system.inputs[i - system.z.size()].name;
+    case ColumnFamily::lambda: return "the multiplier of " + system.constraint(column).name;
+  }
+  return "";
+}
+
 }  // namespace
+
+Outcome Blocks::check_partials(const System& system) const {
+  const GlobalIndex global(system);
+  for (std::size_t k = 0; k < system.groups.size(); ++k) {
+    const Group& group = system.groups[k];
+    for (int block = 0; block < BRAMAH_BLOCKS; ++block) {
+      const std::vector<double>& entries = partials_[k][static_cast<std::size_t>(block)];
+      const auto bad = std::find_if(entries.begin(), entries.end(), [](double e) { return !std::isfinite(e); });
+      if (bad == entries.end()) continue;
+      const bramah_pattern& pattern = group.pattern_views[static_cast<std::size_t>(block)];
+      const auto instance = static_cast<std::size_t>((bad - entries.begin()) / pattern.count);
+      const auto entry = static_cast<std::int32_t>((bad - entries.begin()) % pattern.count);
+      const auto column =
+          std::upper_bound(pattern.start, pattern.start + pattern.columns + 1, entry) - pattern.start - 1;
+      Outcome outcome;
+      outcome.status = Outcome::Status::recoverable;
+      outcome.component = group.component[instance];
+      outcome.message = system.component_name(outcome.component) + " (" + group.type->name +
+                        ") has a partial derivative " + "that is not finite: of " +
+                        name_of_row(system, block, global.row(group, block, instance, pattern.row[entry])) + " by " +
+                        name_of_column(system, block, global.column(group, block, instance, column));
+      return outcome;
+    }
+  }
+  return {};
+}
+
+Outcome Blocks::check_finite(const System& system, const Request& request, const char* prefix) const {
+  const auto look = [](bool wanted, const Vector& rows) -> Index {
+    if (!wanted) return -1;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (!std::isfinite(rows[i])) return static_cast<Index>(i);
+    }
+    return -1;
+  };
+  Outcome outcome;
+  const auto report = [&](const std::string& what, const auto& row) {
+    outcome.status = Outcome::Status::recoverable;
+    outcome.message = prefix + what + row.name + " is not finite";
+    outcome.component = row.component;
+  };
+  if (const Index i = look(request.f, f); i >= 0) {
+    report("the force balance of ", system.x[static_cast<std::size_t>(i)]);
+  } else if (const Index j = look(request.g, g); j >= 0) {
+    report("the storage balance of ", system.z[static_cast<std::size_t>(j)]);
+  } else if (const Index k = look(request.c, c); k >= 0) {
+    report("the constraint ", system.holonomic[static_cast<std::size_t>(k)]);
+  } else if (const Index p = look(request.r, r); p >= 0) {
+    report("the rate of constraint ", system.constraint(p));
+  } else if (const Index q = look(request.s, s); q >= 0) {
+    report("the acceleration of constraint ", system.constraint(q));
+  } else if (const Index o = look(request.y, y); o >= 0) {
+    report("the output ", system.outputs[static_cast<std::size_t>(o)]);
+  }
+  return outcome;
+}
 
 SparsePlan::SparsePlan(const System& system, Index rows, Index columns, std::span<const Term> terms,
                        std::span<const Diagonal> diagonals)

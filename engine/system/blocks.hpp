@@ -62,6 +62,9 @@ class Blocks {
   /// Evaluates `request` at `state`. A value that is not finite is recoverable and named in the outcome.
   Outcome evaluate(const System& system, const State& state, const Request& request);
 
+  /// Names the first partial of the last evaluation that is not finite: component, row and column.
+  [[nodiscard]] Outcome check_partials(const System& system) const;
+
   /// The same with derivatives by eps in place of rows and partials, exactly, where the state and parameters move along
   /// `along`:  d/deps row(y + eps dy, p + eps dp),  d/deps block(y + eps dy, p + eps dp). Layout and patterns are those of
   /// `evaluate`, so that plans are filled alike. AnalysisError for a component whose type gives no derivatives and whose

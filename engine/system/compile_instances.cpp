@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 
+#include "plugin/border.hpp"
 #include "system/compiler.hpp"
 
 namespace bramah::compiling {
@@ -72,8 +73,11 @@ void Compiler::make_instances() {
     component.numbers = draft.numbers;
     component.texts = draft.texts;
     void* instance = group.instances.at(draft.position);
+    const AtBorder at("configure", draft.name.c_str(), *draft.type);
     if (draft.type->configure(draft.type->self, instance, parameter_values(draft.numbers, draft.texts).data()) != 0) {
-      faults_.add("component-broken", draft.where, std::string(draft.type->name) + " could not be configured",
+      const std::string why = take_fault(*draft.type);
+      faults_.add("component-broken", draft.where,
+                  std::string(draft.type->name) + " could not be configured" + (why.empty() ? "" : ": " + why),
                   "a working component", "this is a fault of its library");
       stop_if_faulty();
     }

@@ -3,6 +3,7 @@
 #include <array>
 #include <span>
 
+#include "plugin/border.hpp"
 #include "system/compiler.hpp"
 
 namespace bramah::compiling {
@@ -36,14 +37,15 @@ void Compiler::make_patterns() {
       pointers[k] = marks[k].data();
     }
     for (Index i = 0; i < group.count; ++i) {
-      if (type.structure(type.self, group.instances.at(i), pointers) == 0) continue;
       const Draft& draft = drafts_[static_cast<std::size_t>(group.component[static_cast<std::size_t>(i)])];
-      faults_.add("component-broken", draft.where,
-                  std::string(type.name) +
-                      " couples what no balance can hold (a storage balance on an acceleration, a force on the rate "
-                      "of a first-order variable, or a balance on a multiplier)",
-                  "forces of t, x, v, a, z, u and storages of t, x, v, z, zdot, u",
-                  "rewrite the component with a variable of its own");
+      const AtBorder at("structure", draft.name.c_str(), type);
+      if (type.structure(type.self, group.instances.at(i), pointers) == 0) continue;
+      const std::string why = take_fault(type);
+      faults_.add(
+          "component-broken", draft.where, std::string(type.name) + " cannot be used" + (why.empty() ? "" : ": " + why),
+          "laws that read and write what describe declares, forces of t, x, v, a, z, u and storages of t, x, v, z, "
+          "zdot, u",
+          "mend the component, or give it a variable of its own");
       return;
     }
     // Entries that no instance connects to a variable are never asked for: ground's columns, unconnected ports.

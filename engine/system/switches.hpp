@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "system/system.hpp"
+#include "system/state_functions.hpp"
 
 namespace bramah {
 
@@ -20,12 +20,11 @@ class Switches {
 
   [[nodiscard]] const std::vector<Info>& info() const { return info_; }
   /// Values at t, side, x, v, z and inputs of `state`, in the order of `info`; NaN where a component cannot tell.
-  const Vector& evaluate(const State& state);
+  const Vector& evaluate(const State& state) { return functions_.evaluate(state); }
 
  private:
-  const System& system_;
+  StateFunctions<bramah_switches> functions_;
   std::vector<Info> info_;
-  Vector values_, x_, v_, z_, u_;
 };
 
 }  // namespace bramah

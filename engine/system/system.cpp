@@ -5,6 +5,10 @@
 #include <new>
 #include <optional>
 
+#include "plugin/border.hpp"
+#include "system/analysis_error.hpp"
+#include "system/message.hpp"
+#include "system/scene.hpp"
 #include "system/units.hpp"
 
 namespace bramah {
@@ -67,7 +71,7 @@ std::string System::multiplier_unit(Index i) const {
   const std::string& unit = constraint(i).unit;
   if (unit == "m") return "N";
   if (unit == "rad") return "N.m";
-  if (unit == "m/s") return "N";  // b is linear in v, so its multiplier is a force, too
+  if (unit == "m/s") return "N";  // b is affine in v, so its multiplier is a force, too
   if (unit == "1") return "N.m";
   return "J/(" + unit + ")";
 }
@@ -126,10 +130,27 @@ State initial_state(const System& system, double t) {
   return state;
 }
 
+namespace {
+
+[[noreturn]] void refuse_signal(const System& system, const InputSignal& input, double t, double value,
+                                const std::string& expected) {
+  const std::string why = take_fault(*input.type);
+  throw AnalysisError("inputs",
+                      "the signal " + input.name + " (" + input.type->name + ") gives " + digits(value, 17) +
+                          " at t = " + digits(t, 17) + " s" + (why.empty() ? "" : ": " + why),
+                      expected, "check its parameters; if they are sound this is a fault of its library",
+                      pointer("/components", system.component_name(input.component)));
+}
+
+}  // namespace
+
 void apply_inputs(const System& system, State& state) {
   for (std::size_t i = 0; i < system.inputs.size(); ++i) {
     const InputSignal& input = system.inputs[i];
-    state.z[system.z.size() + i] = input.signal->value(input.type->self, input.instance, state.t, state.side);
+    const AtBorder at("signal", input.name.c_str(), *input.type);
+    double& value = state.z[system.z.size() + i];
+    value = input.signal->value(input.type->self, input.instance, state.t, state.side);
+    if (!std::isfinite(value)) refuse_signal(system, input, state.t, value, "a finite value");
   }
   for (const auto& [input, value] : state.held) state.z[system.z.size() + static_cast<std::size_t>(input)] = value;
 }
@@ -137,7 +158,10 @@ void apply_inputs(const System& system, State& state) {
 double next_breakpoint(const System& system, double t) {
   double next = HUGE_VAL;
   for (const InputSignal& input : system.inputs) {
-    next = std::min(next, input.signal->next_breakpoint(input.type->self, input.instance, t));
+    const AtBorder at("next_breakpoint", input.name.c_str(), *input.type);
+    const double its = input.signal->next_breakpoint(input.type->self, input.instance, t);
+    if (!(its > t)) refuse_signal(system, input, t, its, "a next breakpoint after this time, or infinity");
+    next = std::min(next, its);
   }
   return next;
 }

@@ -3,7 +3,7 @@
 //   f(t, x, v, a, z, lambda, u) = M a + D^T lambda - Q = 0   (n)      forces            Eq. (9)
 //   g(t, x, v, z, zdot, u)      = K zdot - h = 0             (nz)     storage           Eqs. (12), (13)
 //   c(t, x) = 0                                              (m)      holonomic         Eq. (10)
-//   b(t, x, v) = 0, linear in v                              (l)      nonholonomic      Eq. (11)
+//   b(t, x, v) = 0, affine in v                              (l)      nonholonomic      Eq. (11)
 //   y = y(t, x, v, a, z, lambda, u)                                   outputs
 //
 // A System is immutable and shared; all that changes lives in State and Blocks.

@@ -50,9 +50,36 @@ TEST(HoseTest, AddsItsShareOfTheStorage) {
   EXPECT_DOUBLE_EQ(probe.partial(BRAMAH_G_ZDOT, 0, 0), K);
 }
 
+TEST(HoseTest, FillsWithVapourWhereTheOilIsPulled) {
+  Probe<Hose> probe(hose);
+  probe.zdot = {1e5};
+  probe.z = {-2e4};
+  const double vapour = 3.14e-5 * 4e8 / 1e12;  // V_h w^2 / p_w^3
+  const double K = 3.14e-5 * (1.0 / 1.5e9 + 1.0 / 5.5e8) + vapour;
+  EXPECT_NEAR(probe.rows().g[0], 1e5 * K, 1e-14 * 1e5 * K);
+  EXPECT_NEAR(probe.partial(BRAMAH_G_Z, 0, 0), 1e5 * 3.14e-5 * -2.0 * 2e4 / 1e12, 1e-15);
+  for (const double p : {0.0, 1.0, 1e5, 1e8}) {
+    probe.z = {p};
+    EXPECT_EQ(probe.rows().g[0], 1e5 * (3.14e-5 * (1.0 / 1.5e9 + 1.0 / 5.5e8))) << p << " Pa: to the last bit";
+    EXPECT_EQ(probe.partial(BRAMAH_G_Z, 0, 0), 0.0);
+  }
+}
+
+TEST(HoseTest, FreeAirIsIsothermalFarAboveTheTearing) {
+  Parameters with_air = hose;
+  with_air.emplace("air", 0.01);
+  Probe<Hose> probe(with_air);
+  probe.zdot = {1e5};
+  for (const double p : {1e6, 1e7}) {
+    probe.z = {p};
+    const double K = 3.14e-5 * (1.0 / 1.5e9 + 1.0 / 5.5e8 + 0.01 * 101325.0 / (p * p));
+    EXPECT_NEAR(probe.rows().g[0], 1e5 * K, 3.0 * std::pow(1e4 / p, 2) * 1e5 * K) << p << " Pa";
+  }
+}
+
 TEST(CylinderTest, Conforms) {
   EXPECT_TRUE(conforms<Cylinder>({{.parameters = cylinder, .x = {1.73}, .v = {0.1}},
-                                  {.parameters = cylinder, .x = {1.45}, .v = {0.0}, .z = {0.0, 0.0}},
+                                  {.parameters = cylinder, .x = {1.45}, .v = {0.0}, .z = {1e5, 1e5}},
                                   {.parameters = cylinder, .x = {2.3}, .v = {-2.0}, .z = {5e6, 1e5}}}));
 }
 

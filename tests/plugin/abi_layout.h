@@ -54,6 +54,11 @@ typedef struct layout_entry {
       AT(bramah_direction, a), AT(bramah_direction, z), AT(bramah_direction, zdot), AT(bramah_direction, u),           \
       AT(bramah_direction, lambda), SIZE(bramah_tangent), AT(bramah_tangent, differentiable),                          \
       AT(bramah_tangent, configure), AT(bramah_tangent, evaluate), AT(bramah_tangent, start),                          \
-      AT(bramah_tangent, constants), AT(bramah_tangent, signal), SIZE(bramah_energy), AT(bramah_energy, values)
+      AT(bramah_tangent, constants), AT(bramah_tangent, signal), SIZE(bramah_energy), AT(bramah_energy, values),       \
+      SIZE(bramah_limit_info), AT(bramah_limit_info, name), AT(bramah_limit_info, doc), AT(bramah_limit_info, unit),   \
+      AT(bramah_limit_info, lower), AT(bramah_limit_info, upper), AT(bramah_limit_info, lowest),                       \
+      AT(bramah_limit_info, highest), AT(bramah_limit_info, nominal), SIZE(bramah_validity),                           \
+      AT(bramah_validity, count), AT(bramah_validity, info), AT(bramah_validity, values), SIZE(bramah_typical),        \
+      AT(bramah_typical, lower), AT(bramah_typical, upper), SIZE(bramah_fault), AT(bramah_fault, take)
 
 #endif

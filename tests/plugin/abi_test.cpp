@@ -164,6 +164,24 @@ constexpr layout_entry frozen[] = {
     {"bramah_tangent.signal", 48},
     {"bramah_energy", 16},
     {"bramah_energy.values", 8},
+    {"bramah_limit_info", 72},
+    {"bramah_limit_info.name", 8},
+    {"bramah_limit_info.doc", 16},
+    {"bramah_limit_info.unit", 24},
+    {"bramah_limit_info.lower", 32},
+    {"bramah_limit_info.upper", 40},
+    {"bramah_limit_info.lowest", 48},
+    {"bramah_limit_info.highest", 56},
+    {"bramah_limit_info.nominal", 64},
+    {"bramah_validity", 32},
+    {"bramah_validity.count", 8},
+    {"bramah_validity.info", 16},
+    {"bramah_validity.values", 24},
+    {"bramah_typical", 24},
+    {"bramah_typical.lower", 8},
+    {"bramah_typical.upper", 16},
+    {"bramah_fault", 16},
+    {"bramah_fault.take", 8},
 };
 
 TEST(Abi, LayoutIsFrozen) {
@@ -201,6 +219,10 @@ TEST(Abi, StructsBeginWithTheirSize) {
   EXPECT_EQ(offsetof(bramah_direction, size), 0U);
   EXPECT_EQ(offsetof(bramah_tangent, size), 0U);
   EXPECT_EQ(offsetof(bramah_energy, size), 0U);
+  EXPECT_EQ(offsetof(bramah_limit_info, size), 0U);
+  EXPECT_EQ(offsetof(bramah_validity, size), 0U);
+  EXPECT_EQ(offsetof(bramah_typical, size), 0U);
+  EXPECT_EQ(offsetof(bramah_fault, size), 0U);
 }
 
 TEST(Abi, StructsArePlainData) {
@@ -211,13 +233,17 @@ TEST(Abi, StructsArePlainData) {
 
 TEST(Abi, NumbersAreFrozen) {
   EXPECT_EQ(BRAMAH_ABI_EPOCH, 1);
-  EXPECT_EQ(BRAMAH_ABI_MINOR, 2);
+  EXPECT_EQ(BRAMAH_ABI_MINOR, 3);
   EXPECT_STREQ(BRAMAH_ENTRY_POINT, "bramah_library_v1");
   EXPECT_STREQ(BRAMAH_EXTENSION_CONSTANTS, "bramah.constants/1");
   EXPECT_STREQ(BRAMAH_EXTENSION_SIGNAL, "bramah.signal/1");
   EXPECT_STREQ(BRAMAH_EXTENSION_SWITCHES, "bramah.switches/1");
   EXPECT_STREQ(BRAMAH_EXTENSION_TANGENT, "bramah.tangent/1");
   EXPECT_STREQ(BRAMAH_EXTENSION_ENERGY, "bramah.energy/1");
+  EXPECT_STREQ(BRAMAH_EXTENSION_VALIDITY, "bramah.validity/1");
+  EXPECT_STREQ(BRAMAH_EXTENSION_TYPICAL, "bramah.typical/1");
+  EXPECT_STREQ(BRAMAH_EXTENSION_FAULT, "bramah.fault/1");
+  EXPECT_STREQ(BRAMAH_FAULT_POINT, "bramah_library_fault_v1");
   const std::array<int, 3> families = {BRAMAH_X, BRAMAH_Z, BRAMAH_U};
   const std::array<int, 5> kinds = {BRAMAH_NUMBER, BRAMAH_VECTOR, BRAMAH_LIST, BRAMAH_CHOICE, BRAMAH_TEXT};
   const std::array<int, 3> sources = {BRAMAH_OWN, BRAMAH_CONSTANT, BRAMAH_SIGNAL};

@@ -122,7 +122,7 @@ TEST(StructureTest, Friction) {
 
 TEST(StructureTest, Storage) {
   expect_patterns(Probe<hydraulics::Volume>(), {});
-  expect_patterns(Probe<hydraulics::Hose>({{"V_h", 3e-5}, {"B_h", 5e8}, {"B_oil", 1.5e9}}), {{BRAMAH_G_ZDOT, {"x"}}});
+  expect_patterns(Probe<hydraulics::Hose>({{"V_h", 3e-5}, {"B_h", 5e8}, {"B_oil", 1.5e9}}), {{BRAMAH_G_ZDOT, {"x"}}, {BRAMAH_G_Z, {"x"}}});
 }
 
 TEST(StructureTest, Cylinder) {
@@ -131,6 +131,7 @@ TEST(StructureTest, Cylinder) {
   expect_patterns(probe, {{BRAMAH_F_Z, {"xx"}},
                           {BRAMAH_G_X, {"x", "x"}},
                           {BRAMAH_G_V, {"x", "x"}},
+                          {BRAMAH_G_Z, {"x.", ".x"}},
                           {BRAMAH_G_ZDOT, {"x.", ".x"}},
                           {BRAMAH_Y_X, {".", "x", "x"}},
                           {BRAMAH_Y_Z, {"xx", "..", ".."}}});

@@ -17,7 +17,7 @@
  *   f (nx)      forces        M a - Q                 adds to the force balance of each coordinate     Eq. (9)
  *   g (nz)      storage       K zdot - h              adds to the balance of each first-order variable Eqs. (12), (13)
  *   c (mh)      holonomic     c(t, x) = 0             the instance's own rows                          Eq. (10)
- *   r (mh+ml)   rates         [cdot; b(t, x, v)] = 0  b linear in v                                    Eqs. (11), (15)
+ *   r (mh+ml)   rates         [cdot; b(t, x, v)] = 0  b = B(t, x) v + b_0(t, x)                        Eqs. (11), (15)
  *   s (mh+ml)   accelerations [cddot; bdot] = 0                                                        Eq. (36)
  *   y (ny)      outputs
  * Each row has a multiplier; the engine itself adds D^T lambda (D = r_v) to f.
@@ -33,7 +33,7 @@ extern "C" {
 #endif
 
 #define BRAMAH_ABI_EPOCH 1 /* changes break; the exported name carries it */
-#define BRAMAH_ABI_MINOR 2 /* additions at the end of structs and new extensions */
+#define BRAMAH_ABI_MINOR 3 /* additions at the end of structs and new extensions */
 
 enum bramah_family { BRAMAH_X = 0, BRAMAH_Z = 1, BRAMAH_U = 2 };
 
@@ -228,6 +228,44 @@ typedef struct bramah_switches {
   /* Reads time, x, v, z, u of the batch and writes count numbers per instance. */
   int (*values)(const void* self, const bramah_batch* batch, double* values);
 } bramah_switches;
+
+#define BRAMAH_EXTENSION_VALIDITY "bramah.validity/1"
+/* Where a law holds: quantities of the state with limits, +-HUGE_VAL where there is none. A warning says where a run was
+ * beyond lower or upper; beyond lowest or highest the law means nothing, no run goes on there and no analysis begins. */
+typedef struct bramah_limit_info {
+  size_t size;
+  const char* name; /* "l_2" */
+  const char* doc;  /* what the quantity is: "length of the piston-side chamber" */
+  const char* unit;
+  double lower, upper;
+  double lowest, highest; /* lowest <= lower, highest >= upper */
+  double nominal;         /* typical magnitude, > 0 */
+} bramah_limit_info;
+typedef struct bramah_validity {
+  size_t size;
+  int32_t count;
+  const bramah_limit_info* info;
+  /* Reads time, x, v, z, u of the batch and writes count quantities per instance. Status as in evaluate. */
+  int (*values)(const void* self, const bramah_batch* batch, double* values);
+} bramah_validity;
+
+#define BRAMAH_EXTENSION_TYPICAL "bramah.typical/1"
+/* What parameters are in practice: one number each, +-HUGE_VAL where there is none. Outside a warning asks for the unit. */
+typedef struct bramah_typical {
+  size_t size;
+  const double *lower, *upper;
+} bramah_typical;
+
+#define BRAMAH_EXTENSION_FAULT "bramah.fault/1"
+/* Why an entry that has no other way to say so has failed: the text of the last exception in this thread, "" where there
+ * was none. Entries that give numbers then give NaN, the others a status below zero or nothing. */
+typedef struct bramah_fault {
+  size_t size;
+  const char* (*take)(const void* self); /* and forgets it */
+} bramah_fault;
+/* The same of `bramah_library_v1` where it returns null: an optional function of a library. */
+typedef const char* (*bramah_library_fault_function)(void);
+#define BRAMAH_FAULT_POINT "bramah_library_fault_v1"
 
 #define BRAMAH_EXTENSION_TANGENT "bramah.tangent/1"
 /* Which way the inputs of a batch move with eps: records as in bramah_batch, null for those that stay. */

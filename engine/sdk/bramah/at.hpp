@@ -16,12 +16,12 @@ class Positions {
  public:
   Positions(const T* x, T time, int side) : x_(x), time_(time), side_(side) {}
 
-  [[nodiscard]] const T& operator()(Coordinate q) const { return x_[q.slot]; }
+  [[nodiscard]] const T& operator()(Coordinate q) const { return x_[detail::tied<T>(q)]; }
   [[nodiscard]] const T& time() const { return time_; }
 
-  [[nodiscard]] Vec3<T> position(Frame f) const { return {x_[f.slot], x_[f.slot + 1], x_[f.slot + 2]}; }
+  [[nodiscard]] Vec3<T> position(Frame f) const { return {x_[detail::tied<T>(f)], x_[detail::tied<T>(f) + 1], x_[detail::tied<T>(f) + 2]}; }
   [[nodiscard]] Quaternion<T> orientation(Frame f) const {
-    return {x_[f.slot + 3], x_[f.slot + 4], x_[f.slot + 5], x_[f.slot + 6]};
+    return {x_[detail::tied<T>(f) + 3], x_[detail::tied<T>(f) + 4], x_[detail::tied<T>(f) + 5], x_[detail::tied<T>(f) + 6]};
   }
   /// The point r of the body (body axes, m) in the ground frame.
   template <class S = double>
@@ -34,8 +34,8 @@ class Positions {
     return rotate(orientation(f), d);
   }
 
-  [[nodiscard]] const T& angle(PlanarFrame f) const { return x_[f.slot + 2]; }
-  [[nodiscard]] Vec2<T> position(PlanarFrame f) const { return {x_[f.slot], x_[f.slot + 1]}; }
+  [[nodiscard]] const T& angle(PlanarFrame f) const { return x_[detail::tied<T>(f) + 2]; }
+  [[nodiscard]] Vec2<T> position(PlanarFrame f) const { return {x_[detail::tied<T>(f)], x_[detail::tied<T>(f) + 1]}; }
   template <class S = double>
   [[nodiscard]] Vec2<T> point(PlanarFrame f, const Vec2<S>& r) const {
     return position(f) + direction(f, r);
@@ -63,18 +63,18 @@ class Motion : public Positions<T> {
  public:
   Motion(const T* x, const T* v, T time, int side) : Positions<T>(x, time, side), v_(v) {}
 
-  [[nodiscard]] const T& rate(Coordinate q) const { return v_[q.slot]; }
-  [[nodiscard]] const T& rate_of_angle(PlanarFrame f) const { return v_[f.slot + 2]; }
-  [[nodiscard]] Vec2<T> velocity(PlanarFrame f) const { return {v_[f.slot], v_[f.slot + 1]}; }
+  [[nodiscard]] const T& rate(Coordinate q) const { return v_[detail::tied<T>(q)]; }
+  [[nodiscard]] const T& rate_of_angle(PlanarFrame f) const { return v_[detail::tied<T>(f) + 2]; }
+  [[nodiscard]] Vec2<T> velocity(PlanarFrame f) const { return {v_[detail::tied<T>(f)], v_[detail::tied<T>(f) + 1]}; }
   template <class S = double>
   [[nodiscard]] Vec2<T> velocity(PlanarFrame f, const Vec2<S>& r) const {
     const Vec2<T> d = this->direction(f, r);
     const T& w = rate_of_angle(f);
-    return {v_[f.slot] - w * d[1], v_[f.slot + 1] + w * d[0]};
+    return {v_[detail::tied<T>(f)] - w * d[1], v_[detail::tied<T>(f) + 1] + w * d[0]};
   }
-  [[nodiscard]] Vec3<T> velocity(Frame f) const { return {v_[f.slot], v_[f.slot + 1], v_[f.slot + 2]}; }
+  [[nodiscard]] Vec3<T> velocity(Frame f) const { return {v_[detail::tied<T>(f)], v_[detail::tied<T>(f) + 1], v_[detail::tied<T>(f) + 2]}; }
   [[nodiscard]] Quaternion<T> orientation_rate(Frame f) const {
-    return {v_[f.slot + 3], v_[f.slot + 4], v_[f.slot + 5], v_[f.slot + 6]};
+    return {v_[detail::tied<T>(f) + 3], v_[detail::tied<T>(f) + 4], v_[detail::tied<T>(f) + 5], v_[detail::tied<T>(f) + 6]};
   }
   /// Velocity of the point r of the body in the ground frame: rdot + d(A(e) r)/de edot.
   template <class S = double>
@@ -100,23 +100,23 @@ class At : public Motion<T> {
       : Motion<T>(x, v, time, side), a_(a), z_(z), zdot_(zdot), u_(u), lambda_(lambda) {}
 
   using Positions<T>::operator();
-  [[nodiscard]] const T& operator()(FirstOrder p) const { return z_[p.slot]; }
-  [[nodiscard]] const T& operator()(Input w) const { return u_[w.slot]; }
-  [[nodiscard]] Vec3<T> operator()(Gravity g) const { return {u_[g.slot], u_[g.slot + 1], u_[g.slot + 2]}; }
+  [[nodiscard]] const T& operator()(FirstOrder p) const { return z_[detail::tied<T>(p)]; }
+  [[nodiscard]] const T& operator()(Input w) const { return u_[detail::tied<T>(w)]; }
+  [[nodiscard]] Vec3<T> operator()(Gravity g) const { return {u_[detail::tied<T>(g)], u_[detail::tied<T>(g) + 1], u_[detail::tied<T>(g) + 2]}; }
 
-  [[nodiscard]] const T& acceleration(Coordinate q) const { return a_[q.slot]; }
-  [[nodiscard]] Vec3<T> acceleration(Frame f) const { return {a_[f.slot], a_[f.slot + 1], a_[f.slot + 2]}; }
+  [[nodiscard]] const T& acceleration(Coordinate q) const { return a_[detail::tied<T>(q)]; }
+  [[nodiscard]] Vec3<T> acceleration(Frame f) const { return {a_[detail::tied<T>(f)], a_[detail::tied<T>(f) + 1], a_[detail::tied<T>(f) + 2]}; }
   [[nodiscard]] Quaternion<T> orientation_acceleration(Frame f) const {
-    return {a_[f.slot + 3], a_[f.slot + 4], a_[f.slot + 5], a_[f.slot + 6]};
+    return {a_[detail::tied<T>(f) + 3], a_[detail::tied<T>(f) + 4], a_[detail::tied<T>(f) + 5], a_[detail::tied<T>(f) + 6]};
   }
-  [[nodiscard]] Vec2<T> acceleration(PlanarFrame f) const { return {a_[f.slot], a_[f.slot + 1]}; }
-  [[nodiscard]] const T& acceleration_of_angle(PlanarFrame f) const { return a_[f.slot + 2]; }
-  [[nodiscard]] const T& rate(FirstOrder p) const { return zdot_[p.slot]; }
+  [[nodiscard]] Vec2<T> acceleration(PlanarFrame f) const { return {a_[detail::tied<T>(f)], a_[detail::tied<T>(f) + 1]}; }
+  [[nodiscard]] const T& acceleration_of_angle(PlanarFrame f) const { return a_[detail::tied<T>(f) + 2]; }
+  [[nodiscard]] const T& rate(FirstOrder p) const { return zdot_[detail::tied<T>(p)]; }
   using Motion<T>::rate;
 
   /// Multiplier of an own row; only in outputs.
-  [[nodiscard]] const T& multiplier(HolonomicRow row) const { return lambda_[row.slot]; }
-  [[nodiscard]] const T& multiplier(NonholonomicRow row) const { return lambda_[row.slot]; }
+  [[nodiscard]] const T& multiplier(HolonomicRow row) const { return lambda_[detail::tied<T>(row)]; }
+  [[nodiscard]] const T& multiplier(NonholonomicRow row) const { return lambda_[detail::tied<T>(row)]; }
 
   [[nodiscard]] const T* x() const { return this->x_; }
   [[nodiscard]] const T* v() const { return this->v_; }

@@ -10,7 +10,7 @@
 //   multipliers  L_X against differences of D^T lambda
 //   tangents     of rows and partials along the state, and by every parameter that is a Parameter, against differences;
 //                the same of start values, constants and signals
-//   structure    f_a symmetric; b linear in v
+//   structure    f_a symmetric; b affine in v
 //   energy       its rate against differences; E_v = f_a v and E_z = g_zdot z, so that what is stored is all that is stored;
 //                whoever has inertia says its energy
 //   evaluate     writes all it is asked for and no more; bit for bit repeatable, alone or in a batch; the same to 1e-12
@@ -120,6 +120,7 @@ struct Evaluation {
   std::vector<double> rows[groups];
   std::vector<double> partials[BRAMAH_BLOCKS];  // compressed, instance after instance
   std::vector<int> branch;                      // signs of the switching functions
+  std::vector<double> limits;                   // quantities of `validity`
   std::size_t allocations = 0;
   bool overrun = false;
 };
@@ -202,7 +203,8 @@ class Examination {
   void need_new(std::set<std::string>& names, const char* name, const std::string& what) {
     if (!names.insert(name).second) fault(what, " '", name, "' has the name of another");
   }
-  void examine_rows(const bramah_row_info* rows, std::int32_t count, const std::string& what) {
+  template <class Info>
+  void examine_rows(const Info* rows, std::int32_t count, const std::string& what) {
     std::set<std::string> names;
     for (std::int32_t k = 0; k < count; ++k) {
       need_name(rows[k].name, what);
@@ -249,6 +251,17 @@ class Examination {
       examine_rows(s->info, s->count, "switching function");
       for (std::int32_t k = 0; k < s->count; ++k) {
         if (!(s->nominal[k] > 0.0)) fault("switching function ", s->info[k].name, " needs a positive nominal");
+      }
+    }
+    if (const auto* v = extension<bramah_validity>(BRAMAH_EXTENSION_VALIDITY)) {
+      examine_rows(v->info, v->count, "limit");
+      for (std::int32_t k = 0; k < v->count; ++k) {
+        const bramah_limit_info& limit = v->info[k];
+        if (!(limit.nominal > 0.0)) fault("limit ", limit.name, " needs a positive nominal");
+        if (!(limit.lower < limit.upper) || (std::isinf(limit.lower) && std::isinf(limit.upper)))
+          fault("limit ", limit.name, " needs at_least or at_most, the one below the other");
+        if (!(limit.lowest <= limit.lower) || !(limit.highest >= limit.upper))
+          fault("limit ", limit.name, " ends before its law does");
       }
     }
     const std::size_t columns = 3 * size(X) + 2 * size(Z) + size(U) + size(LAMBDA);
@@ -400,7 +413,8 @@ class Examination {
       mark[b] = marks_[b].data();
     }
     if (type_.structure(type_.self, memory_, mark) != 0) {
-      fault("structure refused: a row depends on what no block holds");
+      const auto* why = extension<bramah_fault>(BRAMAH_EXTENSION_FAULT);
+      fault("structure refused: ", why == nullptr ? "a row depends on what no block holds" : why->take(type_.self));
       return false;
     }
     for (std::size_t b = 0; b < BRAMAH_BLOCKS; ++b) {
@@ -536,6 +550,10 @@ class Examination {
       for (const double value : s)
         e.branch.push_back(std::isnan(value) ? 99 : value == 0.0 ? b.side : value > 0.0 ? 1 : -1);
     }
+    if (const auto* validity = extension<bramah_validity>(BRAMAH_EXTENSION_VALIDITY)) {
+      e.limits.assign(count * static_cast<std::size_t>(validity->count), nothing);
+      validity->values(type_.self, &b, e.limits.data());
+    }
     if (count == 1 && wanted[BRAMAH_R_V]) {
       e.rows[PULL].assign(size(X), 0.0);
       for (std::size_t j = 0; j < size(X); ++j) {
@@ -566,6 +584,8 @@ class Examination {
     }
     if (std::count(e.branch.begin(), e.branch.end(), 99) > 0)
       fault("a switching function was not written, or is not a number");
+    if (std::any_of(e.limits.begin(), e.limits.end(), [](double q) { return std::isnan(q); }))
+      fault("a quantity of `validity` was not written, or is not a number");
   }
 
   /// Full matrices of the base state, and how large each row's terms are.
@@ -776,9 +796,8 @@ class Examination {
       const double b1 = e1.rows[RATE][i], b2 = e2.rows[RATE][i], b0 = e0.rows[RATE][i];
       double terms = std::fabs(b1);
       for (std::size_t j = 0; j < size(X); ++j) terms += std::fabs(partial(RATE, V, i, j) * once.values[V][j]);
-      if (!(std::fabs(b0) <= 1e-13 * terms)) fault(row_name(RATE, i), " is not linear in v: ", b0, " at rest");
-      if (!(std::fabs(b2 - 2.0 * b1) <= 1e-12 * terms))
-        fault(row_name(RATE, i), " is not linear in v: b(v) = ", b1, ", b(2v) = ", b2);
+      if (!(std::fabs(b2 - 2.0 * b1 + b0) <= 1e-12 * (terms + std::fabs(b0))))
+        fault(row_name(RATE, i), " is not affine in v: b(0) = ", b0, ", b(v) = ", b1, ", b(2v) = ", b2);
     }
   }
 

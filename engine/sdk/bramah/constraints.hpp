@@ -240,7 +240,7 @@ void evaluate_nonholonomic(const bramah_type& type, const bramah_batch& b, const
       for (std::size_t row = 0; row < ml; ++row) store_values(row, result(rows[row].c[0]), result(rows[row].c[1]));
     }
     if (wanted(b, BRAMAH_L_X)) {
-      // Row j of d(B^T lambda)/dx: B e_j is b(x, e_j), because b is linear in v.
+      // Row j of d(B^T lambda)/dx: B e_j is b(x, e_j) - b(x, 0), because b is affine in v.
       const auto lambda = [&](std::size_t row) { return number(b.lambda, along.lambda, i * (mh + ml) + mh + row); };
       const bramah_pattern& p = b.patterns[BRAMAH_L_X];
       double* out = record(b, BRAMAH_L_X, i);
@@ -252,14 +252,19 @@ void evaluate_nonholonomic(const bramah_type& type, const bramah_batch& b, const
       for (std::size_t pass = 0; pass < position_columns; pass += width) {
         const std::size_t end = position_columns < pass + width ? position_columns : pass + width;
         for (std::size_t k = pass; k < end; ++k) seed(q[columns.list[k].index], k - pass, 1.0);
-        for (std::size_t d = position_columns; d < columns.count; ++d) {
-          const std::size_t to = columns.list[d].index;
-          w[to] = Seeded(1.0);
+        const auto weighted = [&] {  // lambda^T b(x, w)
           for (std::size_t row = 0; row < ml; ++row) rows[row] = Seeded(0.0);
           Values<Seeded> values_out(rows, type.holonomic_count);
           component.nonholonomic(Motion<Seeded>(q, w, Seeded(b.time), b.side), values_out);
           Seeded sum(0.0);
           for (std::size_t row = 0; row < ml; ++row) sum += lambda(row) * rows[row];
+          return sum;
+        };
+        const Seeded at_rest = weighted();
+        for (std::size_t d = position_columns; d < columns.count; ++d) {
+          const std::size_t to = columns.list[d].index;
+          w[to] = Seeded(1.0);
+          const Seeded sum = weighted() - at_rest;
           for (std::size_t k = pass; k < end; ++k) {
             const std::size_t j = columns.list[k].index;
             for (std::int32_t e = p.start[j]; e < p.start[j + 1]; ++e) {

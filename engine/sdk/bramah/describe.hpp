@@ -27,6 +27,8 @@ struct TypeTables {
   std::vector<bramah_terminal_info> terminals;
   std::vector<bramah_row_info> holonomic, nonholonomic, outputs, switches;
   std::vector<double> switch_nominal;
+  std::vector<bramah_limit_info> limits;
+  std::vector<double> typical_lower, typical_upper;  // per parameter
   std::deque<std::vector<double>> numbers;  // stable addresses
   std::deque<std::vector<const char*>> texts;
   int port_slots[3] = {}, own_slots[3] = {};  // by bramah_family
@@ -62,6 +64,13 @@ class ParameterDescription {
   ParameterDescription& at_least(double limit) { return lower(limit, 0); }
   ParameterDescription& below(double limit) { return upper(limit, 1); }
   ParameterDescription& at_most(double limit) { return upper(limit, 0); }
+  /// What is found in practice, SI: a number outside is accepted with a warning.
+  ParameterDescription& typical(double from, double to) {
+    if (tables_ == nullptr) return *this;
+    tables_->typical_lower[index_] = from;
+    tables_->typical_upper[index_] = to;
+    return *this;
+  }
 
  private:
   bramah_parameter_info& info() { return tables_->parameters[index_]; }
@@ -105,6 +114,30 @@ class VariableDescription {
 
  private:
   bramah_variable_info* info_;
+};
+
+/// Limits of a quantity of the state, within which a law holds.
+class LimitDescription {
+ public:
+  explicit LimitDescription(bramah_limit_info* info) : info_(info) {}
+  /// The law ends at `limit`, or a warning says that it was beyond, and it goes on as far as `lowest`.
+  LimitDescription& at_least(double limit) { return at_least(limit, limit); }
+  LimitDescription& at_least(double limit, double lowest) {
+    if (info_ == nullptr) return *this;
+    info_->lower = limit;
+    info_->lowest = lowest;
+    return *this;
+  }
+  LimitDescription& at_most(double limit) { return at_most(limit, limit); }
+  LimitDescription& at_most(double limit, double highest) {
+    if (info_ == nullptr) return *this;
+    info_->upper = limit;
+    info_->highest = highest;
+    return *this;
+  }
+
+ private:
+  bramah_limit_info* info_;
 };
 
 class PortDescription {
@@ -277,6 +310,26 @@ class Description {
     collecting_->switches.push_back({sizeof(bramah_row_info), name, doc, unit});
     collecting_->switch_nominal.push_back(nominal);
   }
+  /// A quantity of the state that has to stay within limits for the law to hold, see LimitDescription; the component's
+  /// `validity` gives it. A run that leaves them ends with an error that names them; no analysis begins outside.
+  /// `nominal` is its typical magnitude, `doc` says what it is.
+  LimitDescription valid(const char* name, Limit& quantity, const char* unit, double nominal, const char* doc) {
+    quantity.slot = next_limit_++;
+    if (collecting_ == nullptr) return LimitDescription(nullptr);
+    collecting_->limits.push_back({sizeof(bramah_limit_info), name, doc, unit, -HUGE_VAL, HUGE_VAL, -HUGE_VAL, HUGE_VAL, nominal});
+    return LimitDescription(&collecting_->limits.back());
+  }
+  /// Whether describe has said again what it said when the tables were made.
+  [[nodiscard]] bool repeats() const {
+    const auto same = [](int count, const auto& list) { return static_cast<std::size_t>(count) == list.size(); };
+    for (int family = 0; family < 3; ++family) {
+      if (next_port_[family] != tables_.port_slots[family] || own_[family] != tables_.own_slots[family]) return false;
+    }
+    return next_parameter_ == tables_.parameters.size() && same(next_holonomic_, tables_.holonomic) &&
+           same(next_nonholonomic_, tables_.nonholonomic) && same(next_output_, tables_.outputs) &&
+           same(next_switch_, tables_.switches) && same(next_limit_, tables_.limits) &&
+           constants_ == tables_.constants;
+  }
 
  private:
   /// What the engine gives for one parameter; `value` is null while collecting.
@@ -294,6 +347,7 @@ class Description {
   Given next_value() {
     if (values_ == nullptr) return {};
     const std::size_t k = next_parameter_++;
+    if (k >= tables_.parameters.size()) return {};  // describe says more than before; `repeats` tells
     return {&values_[k], tangents_ == nullptr ? nullptr : &tangents_[k]};
   }
 
@@ -301,6 +355,8 @@ class Description {
                                       bool differentiable) {
     if (collecting_ == nullptr) return {nullptr, 0};
     collecting_->differentiable.push_back(differentiable ? 1 : 0);
+    collecting_->typical_lower.push_back(-HUGE_VAL);
+    collecting_->typical_upper.push_back(HUGE_VAL);
     collecting_->parameters.push_back({sizeof(bramah_parameter_info), name, "", unit, kind, 1, count, -HUGE_VAL,
                                        HUGE_VAL, 0, 0, nullptr, 0, nullptr, nullptr});
     return {collecting_, collecting_->parameters.size() - 1};
@@ -325,7 +381,7 @@ class Description {
   const bramah_value *values_ = nullptr, *tangents_ = nullptr;
   int next_port_[3] = {}, own_[3] = {};
   std::size_t next_parameter_ = 0;
-  int next_holonomic_ = 0, next_nonholonomic_ = 0, next_output_ = 0, next_switch_ = 0, constants_ = 0;
+  int next_holonomic_ = 0, next_nonholonomic_ = 0, next_output_ = 0, next_switch_ = 0, next_limit_ = 0, constants_ = 0;
 };
 
 /// Faults that single limits cannot express: `faults.add("F_s", "830 N", "at least F_c = 900 N")`.

@@ -1,11 +1,34 @@
 // Handles: how a component names its ports, variables and rows. `describe` ties them; they hold a local position only.
 #pragma once
 
+#include <stdexcept>
+#include <type_traits>
+
 namespace bramah {
 
 struct Handle {
   int slot = -1;
 };
+
+class Trace;
+namespace detail {
+
+/// A law uses a handle that `describe` has not tied.
+struct Untied : std::logic_error {
+  using std::logic_error::logic_error;
+};
+
+/// The handle's position, counted from `first`. The one evaluation on Trace, when a library is loaded, finds handles that
+/// describe never tied; on other scalars this is the number itself.
+template <class T>
+constexpr int tied(Handle handle, int first = 0) {
+  if constexpr (std::is_same_v<T, Trace>) {
+    if (handle.slot < first) throw Untied("a law uses a port, variable or row that describe does not declare");
+  }
+  return handle.slot - first;
+}
+
+}  // namespace detail
 
 /// Position and orientation of a body: r (3), Euler parameters e (4). Ground is a frame without variables.
 struct Frame : Handle {
@@ -47,5 +70,6 @@ struct HolonomicRow : Handle {};
 struct NonholonomicRow : Handle {};
 struct Output : Handle {};
 struct Switch : Handle {};
+struct Limit : Handle {};
 
 }  // namespace bramah

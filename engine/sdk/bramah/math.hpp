@@ -128,6 +128,12 @@ template <class T>
 T abs(const T& a) {
   return value(a) < 0.0 ? T(-a) : a;
 }
+/// max(a, 0): smooth where it is squared or raised to more, and no branch then.
+template <class T>
+T positive_part(const T& a) {
+  return value(a) > 0.0 ? a : T(0.0);
+}
+inline Trace positive_part(const Trace& t) { return Trace::curved(t.number() > 0.0 ? t.number() : 0.0, t, t); }
 template <class T>
 T max(const T& a, const T& b) {
   return value(a) < value(b) ? b : a;

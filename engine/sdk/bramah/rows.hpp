@@ -24,7 +24,7 @@ class Rows {
   /// Adds mass (kg or kg.m^2) times the coordinate's acceleration.
   template <class S>
   void inertia(Coordinate q, const S& mass) {
-    f_[q.slot] += at_.acceleration(q) * mass;
+    f_[detail::tied<T>(q)] += at_.acceleration(q) * mass;
   }
   /// A rigid body whose frame sits at its centre of mass: Newton and Euler, f_e = 2 L^T (I 2 L eddot + w x I w).
   void inertia(Frame frame, const Parameter& mass, const Inertia& inertia) {
@@ -46,7 +46,7 @@ class Rows {
   }
 
   /// Adds the generalized force Q (N or N.m) to a coordinate.
-  void apply(Coordinate q, const T& force) { f_[q.slot] -= force; }
+  void apply(Coordinate q, const T& force) { f_[detail::tied<T>(q)] -= force; }
   /// A force (N, ground axes) at the point r of the body.
   template <class S = double>
   void apply(Frame frame, const Vec3<S>& r, const Vec3<T>& force) {
@@ -78,17 +78,17 @@ class Rows {
   /// Adds K zdot + rate to the balance of a first-order variable: for a volume, K = V / B_e (m^3/Pa) and rate = dV/dt.
   template <class S>
   void store(FirstOrder p, const S& K, const T& rate) {
-    g_[p.slot] += at_.rate(p) * K + rate;
+    g_[detail::tied<T>(p)] += at_.rate(p) * K + rate;
   }
   template <class S>
   void store(FirstOrder p, const S& K) {
-    g_[p.slot] += at_.rate(p) * K;
+    g_[detail::tied<T>(p)] += at_.rate(p) * K;
   }
   /// Flow into a volume (m^3/s); for other first-order variables the right-hand side h of K zdot = h.
-  void inflow(FirstOrder p, const T& flow) { g_[p.slot] -= flow; }
+  void inflow(FirstOrder p, const T& flow) { g_[detail::tied<T>(p)] -= flow; }
 
  private:
-  static std::size_t slot(Handle h, std::size_t k) { return static_cast<std::size_t>(h.slot) + k; }
+  static std::size_t slot(Handle h, std::size_t k) { return static_cast<std::size_t>(detail::tied<T>(h)) + k; }
   const At<T>& at_;
   T *f_, *g_;
 };
@@ -99,7 +99,7 @@ class Values {
  public:
   /// `first`: slot of the handle that values[0] belongs to.
   explicit Values(T* values, int first = 0) : values_(values), first_(first) {}
-  T& operator()(Handle row) { return values_[row.slot - first_]; }
+  T& operator()(Handle row) { return values_[detail::tied<T>(row, first_)]; }
 
  private:
   T* values_;

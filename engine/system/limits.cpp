@@ -1,0 +1,79 @@
+#include "system/limits.hpp"
+
+#include "system/message.hpp"
+
+namespace bramah {
+namespace {
+
+constexpr double rounding = 1e-12;  // of the nominal: what counts as on the bound
+
+}  // namespace
+
+Limits::Limits(const System& system) : system_(system), functions_(system, BRAMAH_EXTENSION_VALIDITY) {
+  std::size_t of = 0;
+  functions_.for_each([&](const bramah_validity& validity, Index component, std::int32_t k) {
+    const bramah_limit_info& limit = validity.info[k];
+    const auto add = [&](double bound, bool lower, bool ends) {
+      if (!std::isfinite(bound)) return;
+      info_.push_back({component, limit.name, limit.unit, limit.doc, bound, lower, ends,
+                       limit.nominal * system.scales.of(limit.unit), of});
+    };
+    add(limit.lowest, true, true);
+    add(limit.highest, false, true);
+    if (limit.lower > limit.lowest) add(limit.lower, true, false);
+    if (limit.upper < limit.highest) add(limit.upper, false, false);
+    ++of;
+  });
+  inside_.resize(info_.size());
+}
+
+const Vector& Limits::evaluate(const State& state) {
+  const Vector& values = functions_.evaluate(state);
+  for (std::size_t k = 0; k < info_.size(); ++k) {
+    const double way = values[info_[k].of] - info_[k].bound;
+    inside_[k] = info_[k].lower ? way : -way;
+  }
+  return inside_;
+}
+
+std::string Limits::text(std::size_t k, double inside) const {
+  const Info& limit = info_[k];
+  const std::string unit = limit.unit == "1" ? "" : " " + limit.unit;
+  const double value = limit.bound + (limit.lower ? inside : -inside);
+  const std::string who = "the " + limit.doc + ", " + system_.component_name(limit.component) + "." + limit.name + ", ";
+  if (std::abs(inside) < 1e-6 * limit.nominal) return who + "reaches " + digits(limit.bound, 6) + unit;
+  return who + "is " + digits(value, 6) + unit + ", " + (limit.lower ? "below " : "above ") + digits(limit.bound, 6) +
+         unit;
+}
+
+AnalysisError Limits::error(const std::string& analysis, double t, std::size_t k, double inside) const {
+  const Info& limit = info_[k];
+  const std::string& name = system_.component_name(limit.component);
+  const std::string unit = limit.unit == "1" ? "" : " " + limit.unit;
+  return {analysis, "at t = " + digits(t, 9) + " s " + text(k, inside) + ": the law of " + name + " ends there",
+          std::string(limit.lower ? "at least " : "at most ") + digits(limit.bound, 6) + unit,
+          "check the parameters of " + name + " and the start values, or add what keeps the machine from going there",
+          "/components/" + name};
+}
+
+std::vector<std::pair<std::size_t, std::string>> Limits::passed(const State& state) {
+  std::vector<std::pair<std::size_t, std::string>> list;
+  const Vector& inside = evaluate(state);
+  for (std::size_t k = 0; k < info_.size(); ++k) {
+    if (!info_[k].ends && inside[k] < -rounding * info_[k].nominal) list.emplace_back(k, text(k, inside[k]));
+  }
+  return list;
+}
+
+void Limits::require(const std::string& analysis, const State& state) {
+  const Vector& inside = evaluate(state);
+  for (std::size_t k = 0; k < info_.size(); ++k) {
+    if (info_[k].ends && inside[k] < -rounding * info_[k].nominal) throw error(analysis, state.t, k, inside[k]);
+  }
+}
+
+void require_within_limits(const System& system, const std::string& analysis, const State& state) {
+  Limits(system).require(analysis, state);
+}
+
+}  // namespace bramah
