@@ -20,7 +20,7 @@ struct Volume {
   void describe(Description& is) {
     is.called("hydraulics/volume", "a volume of oil at one pressure, Eq. (1)");
     is.own("p", p, "Pa", "pressure").nominal(1e6).start(1e5);
-    is.valid("p", absolute, "Pa", 1e5, "absolute pressure").at_least(0.0, -1e5);
+    is.valid("p", absolute, "Pa", 1e5, "absolute pressure, below zero of which oil cavitates").at_least(0.0, -1e5);
   }
   template <class T>
   void validity(const At<T>& at, Values<T>& q) const {

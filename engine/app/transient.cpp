@@ -128,9 +128,9 @@ Table statistics_table(const Transient& transient) {
   return table;
 }
 
-std::vector<std::string> limit_warnings(const Simulation& simulation) {
+std::vector<std::string> limit_warnings(const std::vector<LimitPassed>& limits) {
   std::vector<std::string> list;
-  for (const LimitPassed& passed : simulation.limits_passed)
+  for (const LimitPassed& passed : limits)
     list.push_back("from t = " + short_number(passed.first_time, 6) + " s on " + passed.component +
                    " was beyond where its law holds: at t = " + short_number(passed.farthest_time, 6) + " s " +
                    passed.text);

@@ -42,7 +42,7 @@ std::string csv_row(double time, std::span<const double> values);
 
 Table statistics_table(const Transient& transient);
 /// "from t = 0.2 s on P was beyond where its law holds: ...", one line for each limit.
-std::vector<std::string> limit_warnings(const Simulation& simulation);
+std::vector<std::string> limit_warnings(const std::vector<LimitPassed>& limits);
 /// Why not to trust a run that came to its end: more than 2 % of the energy that was turned over unaccounted for, or
 /// accelerations without digits.
 std::vector<AnalysisError> doubts_of(const Simulation& simulation);

@@ -146,6 +146,7 @@ int run(const Arguments& arguments) {
     transient = run_transient(context, context.options().simulate, setup,
                               [&](const State& state, const Vector& values) { series.row(state.t, values); });
   } catch (const SimulationError& error) {
+    for (const std::string& warning : limit_warnings(error.limits_passed())) say("warning: " + warning + '\n');
     if (arguments.out.empty()) throw;
     save(error.last());
     say("results up to the failure are in " + series.leave_part().string() + ", the last good state is in " +
@@ -158,7 +159,7 @@ int run(const Arguments& arguments) {
     say(as_text(statistics_table(transient), ""));
     if (!series.file().empty()) say("wrote " + series.file().string() + " and " + saved.string() + '\n');
   }
-  for (const std::string& warning : limit_warnings(transient.simulation)) say("warning: " + warning + '\n');
+  for (const std::string& warning : limit_warnings(transient.simulation.limits_passed)) say("warning: " + warning + '\n');
   for (const AnalysisError& doubt : doubts_of(transient.simulation))
     say("warning: " + std::string(doubt.what()) + '\n');
   if (transient.interrupted)

@@ -72,7 +72,7 @@ void simulate_study(const Context& context, Folder& folder, StudyResults& result
   }
   csv.commit();
   folder.files().emplace_back("time_series.csv");
-  for (std::string& warning : limit_warnings(results.transient->simulation))
+  for (std::string& warning : limit_warnings(results.transient->simulation.limits_passed))
     results.remarks.push_back(std::move(warning));
   for (const AnalysisError& doubt : doubts_of(results.transient->simulation))
     results.remarks.emplace_back(doubt.what());

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "system/analysis_error.hpp"
+#include "system/scene.hpp"
 
 namespace bramah {
 namespace {
@@ -215,6 +216,13 @@ void Kkt::complete(State& state, Blocks& blocks) {
   for (std::size_t k = 0; k < count; ++k) rhs_[n + k] = -blocks.s[static_cast<std::size_t>(rows_[k])];
   for (std::size_t i = 0; i < nz; ++i) rhs_[n + count + i] = -blocks.g[i];
   solve(rhs_);
+  if (!std::all_of(rhs_.begin(), rhs_.end(), [](double value) { return std::isfinite(value); })) {
+    const Outcome partials = blocks.check_partials(system_);
+    if (!partials.ok())
+      throw AnalysisError("dynamics", partials.message, "finite masses and constraint gradients",
+                          "check the start values, or the law of that component",
+                          pointer("/components", system_.component_name(partials.component)));
+  }
   std::copy_n(rhs_.begin(), n, state.a.begin());
   for (std::size_t k = 0; k < count; ++k) state.lambda[static_cast<std::size_t>(rows_[k])] = rhs_[n + k];
   std::copy_n(rhs_.begin() + static_cast<std::ptrdiff_t>(n + count), nz, state.zdot.begin());

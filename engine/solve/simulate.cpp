@@ -119,6 +119,7 @@ class Run {
   void emit(double t);
   void note_step(double step);
   void note_limits();
+  [[nodiscard]] std::vector<LimitPassed> limits_passed();
   void conclude(double seconds);
 
   const System& system_;
@@ -263,6 +264,10 @@ void Run::project() { close_independent_rows(system_, state_, dropped_->partitio
 void Run::settle(const Events::Hit& hit) {
   anew_ = true;
   state_at(hit.time, state_);
+  for (const std::size_t event : hit.what) {
+    const auto limit = events_.limit(event);
+    if (limit) throw events_.limits().error("simulate", state_, *limit);
+  }
   project();
   if (const auto open = dropped_->look(state_, blocks_)) throw AnalysisError(*open);
   complete(state_);
@@ -280,10 +285,6 @@ bool Run::follow_without_end(double t) {
 /// What the scene asks for at an event; outputs on both sides where it does.
 void Run::take(const Events::Hit& hit) {
   anew_ = true;
-  for (const std::size_t event : hit.what) {
-    const auto limit = events_.limit(event);
-    if (limit) throw events_.limits().error("simulate", hit.time, *limit, events_.limits().evaluate(state_)[*limit]);
-  }
   const double distance = hit.time - last_event_;
   if (follow_without_end(hit.time)) {
     const std::string& name = events_.name(hit.what.front());
@@ -382,8 +383,7 @@ void Run::check_branch(double reached) {
       "simulate",
       "at t = " + digits(reached, 6) + " s a step of " + digits(reached - state_.t) + " s changes the velocity by " +
           digits(100.0 * std::sqrt(change / std::max(before, after)), 2) + " % beside a singular position",
-      "steps that tell the branches apart",
-                      "set a shorter \"step\", or the integrator \"explicit\"", "/simulate/step");
+      "steps that tell the branches apart", "set a shorter \"step\", or the integrator \"explicit\"", "/simulate/step");
 }
 
 void Run::begin_bridge(const AnalysisError& why) {
@@ -502,10 +502,22 @@ Simulation Run::march() {
     }
     complete(state_);
   } catch (const AnalysisError& error) {
-    throw SimulationError(error, checkpoint());
+    throw SimulationError(error, checkpoint(), limits_passed());
   }
   conclude(std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count());
   return result_;
+}
+
+std::vector<LimitPassed> Run::limits_passed() {
+  std::vector<LimitPassed> list;
+  for (std::size_t k = 0; k < beyond_.size(); ++k) {
+    if (beyond_[k].inside == 0.0) continue;
+    const Limits::Info& limit = events_.limits().info()[k];
+    list.push_back({system_.component_name(limit.component), limit.name, events_.limits().text(k, beyond_[k].inside),
+                    beyond_[k].first_time, beyond_[k].farthest_time,
+                    limit.bound + (limit.lower ? beyond_[k].inside : -beyond_[k].inside)});
+  }
+  return list;
 }
 
 void Run::conclude(double seconds) {
@@ -521,14 +533,7 @@ void Run::conclude(double seconds) {
     s.limiting = variable_name(system_, most - limited_.begin());
     s.limiting_share = static_cast<double>(*most) / static_cast<double>(std::max(s.steps, 1L));
   }
-  for (std::size_t k = 0; k < beyond_.size(); ++k) {
-    if (beyond_[k].inside == 0.0) continue;
-    const Limits::Info& limit = events_.limits().info()[k];
-    result_.limits_passed.push_back({system_.component_name(limit.component), limit.name,
-                                     events_.limits().text(k, beyond_[k].inside), beyond_[k].first_time,
-                                     beyond_[k].farthest_time,
-                                     limit.bound + (limit.lower ? beyond_[k].inside : -beyond_[k].inside)});
-  }
+  result_.limits_passed = limits_passed();
   result_.last = state_;
   result_.checkpoint = checkpoint();
 }

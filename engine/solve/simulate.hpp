@@ -72,11 +72,14 @@ struct Simulation {
 /// A run that could not go on: the same message, and the last good state.
 class SimulationError : public AnalysisError {
  public:
-  SimulationError(const AnalysisError& error, Checkpoint last) : AnalysisError(error), last_(std::move(last)) {}
+  SimulationError(const AnalysisError& error, Checkpoint last, std::vector<LimitPassed> passed)
+      : AnalysisError(error), last_(std::move(last)), limits_passed_(std::move(passed)) {}
   [[nodiscard]] const Checkpoint& last() const { return last_; }
+  [[nodiscard]] const std::vector<LimitPassed>& limits_passed() const { return limits_passed_; }
 
  private:
   Checkpoint last_;
+  std::vector<LimitPassed> limits_passed_;
 };
 
 /// Runs from `start` (consistent in positions and velocities; its time is where the run begins) to options.to_time.

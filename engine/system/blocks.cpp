@@ -200,7 +200,47 @@ Outcome Blocks::evaluate_all(const System& system, const State& state, const Dir
       }
     }
   }
-  return check_finite(system, request, along == nullptr ? "" : "the derivative of ");
+  Outcome outcome = check_finite(system, request, along == nullptr ? "" : "the derivative of ");
+  if (!outcome.ok() && along == nullptr) blame(system, state, outcome);
+  return outcome;
+}
+
+/// Adds to a failure which component's own rows are not finite: several add to one balance.
+void Blocks::blame(const System& system, const State& state, Outcome& outcome) {
+  for (const Group& group : system.groups) {
+    const bramah_type& type = *group.type;
+    const Index rows = type.holonomic_count + type.nonholonomic_count;
+    for (Index i = 0; i < group.count; ++i) {
+      gather(group, state, i, 1, in_);
+      std::fill_n(lf_.begin(), type.nx, 0.0);
+      std::fill_n(lg_.begin(), type.nz, 0.0);
+      bramah_batch batch{};
+      batch.size = sizeof batch;
+      batch.count = 1;
+      batch.instances = group.instances.at(i);
+      batch.time = state.t;
+      batch.side = state.side;
+      batch.x = in_.x.data(), batch.v = in_.v.data(), batch.a = in_.a.data();
+      batch.z = in_.z.data(), batch.zdot = in_.zdot.data(), batch.u = in_.u.data();
+      batch.lambda = in_.lambda.data();
+      batch.f = type.nx > 0 ? lf_.data() : nullptr;
+      batch.g = type.nz > 0 ? lg_.data() : nullptr;
+      batch.s = rows > 0 ? ls_.data() : nullptr;
+      batch.patterns = group.pattern_views.data();
+      const std::string& name = system.component_name(group.component[static_cast<std::size_t>(i)]);
+      const AtBorder at("evaluate", name.c_str(), type);
+      const auto finite = [](const Vector& list, Index count) {
+        return std::all_of(list.begin(), list.begin() + count, [](double value) { return std::isfinite(value); });
+      };
+      // What goes in must be finite for the law to be to blame.
+      if (!finite(in_.x, type.nx) || !finite(in_.v, type.nx) || !finite(in_.a, type.nx) || !finite(in_.z, type.nz) ||
+          !finite(in_.zdot, type.nz) || !finite(in_.u, type.nu) || type.evaluate(type.self, &batch) != 0)
+        continue;
+      if (finite(lf_, type.nx) && finite(lg_, type.nz) && (rows == 0 || finite(ls_, rows))) continue;
+      outcome.message += ": " + name + " (" + type.name + ") gives a number that is not finite";
+      return;
+    }
+  }
 }
 
 int Blocks::call(const System& system, const Run& run, const Direction* along, bramah_batch& batch) {

@@ -87,6 +87,7 @@ class Blocks {
   void add_reactions(const Group& group, Index count, const double* d, const Vector& lambda);
   int add_moving_reactions(const Group& group, const Run& run, bramah_batch batch);
   static Outcome failure(const System& system, const Group& group, Index instance, int status, const char* why);
+  void blame(const System& system, const State& state, Outcome& outcome);
   [[nodiscard]] Outcome check_finite(const System& system, const Request& request, const char* prefix) const;
 
   static constexpr Index chunk = 64;  // instances in one call: their records stay in the second-level cache

@@ -46,11 +46,18 @@ std::string Limits::text(std::size_t k, double inside) const {
          unit;
 }
 
-AnalysisError Limits::error(const std::string& analysis, double t, std::size_t k, double inside) const {
+AnalysisError Limits::error(const std::string& analysis, const State& state, std::size_t k) {
+  const Vector& inside = evaluate(state);
   const Info& limit = info_[k];
   const std::string& name = system_.component_name(limit.component);
   const std::string unit = limit.unit == "1" ? "" : " " + limit.unit;
-  return {analysis, "at t = " + digits(t, 9) + " s " + text(k, inside) + ": the law of " + name + " ends there",
+  std::vector<std::string> others;
+  for (std::size_t j = 0; j < info_.size(); ++j) {
+    if (j != k && info_[j].ends && inside[j] < -rounding * info_[j].nominal) others.push_back(text(j, inside[j]));
+  }
+  return {analysis,
+          "at t = " + digits(state.t, 9) + " s " + text(k, inside[k]) + ": the law of " + name + " ends there" +
+              (others.empty() ? "" : "; so does that of others: " + list_of(others)),
           std::string(limit.lower ? "at least " : "at most ") + digits(limit.bound, 6) + unit,
           "check the parameters of " + name + " and the start values, or add what keeps the machine from going there",
           "/components/" + name};
@@ -68,7 +75,7 @@ std::vector<std::pair<std::size_t, std::string>> Limits::passed(const State& sta
 void Limits::require(const std::string& analysis, const State& state) {
   const Vector& inside = evaluate(state);
   for (std::size_t k = 0; k < info_.size(); ++k) {
-    if (info_[k].ends && inside[k] < -rounding * info_[k].nominal) throw error(analysis, state.t, k, inside[k]);
+    if (info_[k].ends && inside[k] < -rounding * info_[k].nominal) throw error(analysis, state, k);
   }
 }
 

@@ -30,8 +30,8 @@ class Limits {
   const Vector& evaluate(const State& state);
   /// "the length of the piston-side chamber, cyl.l_2, is -0.02 m, below 0 m"; `inside` is what evaluate gave.
   [[nodiscard]] std::string text(std::size_t k, double inside) const;
-  /// That no analysis begins or goes on at `t` with bound `k` passed.
-  [[nodiscard]] AnalysisError error(const std::string& analysis, double t, std::size_t k, double inside) const;
+  /// That no analysis begins or goes on at `state` with bound `k` passed, and others that are.
+  [[nodiscard]] AnalysisError error(const std::string& analysis, const State& state, std::size_t k);
   /// Bounds that do not end their law and are passed at `state`, beyond rounding: which, and its text.
   [[nodiscard]] std::vector<std::pair<std::size_t, std::string>> passed(const State& state);
   /// Throws the error of the first bound that ends the law and is passed at `state`, beyond rounding.
