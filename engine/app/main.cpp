@@ -1,6 +1,7 @@
 // The command line: parsed here and nowhere else, then one verb is run. Failures end here.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <new>
@@ -198,5 +199,6 @@ int guarded_run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   bramah::tell_of_crashes();
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes is a failure to write, with a message
   return bramah::guarded_run(argc, argv);
 }

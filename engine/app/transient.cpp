@@ -34,10 +34,10 @@ Transient run_transient(const Context& context, const SimulateOptions& options, 
     progress.show((time - options.from_time) / length, "t = " + short_number(time, 4) + " s, step " + duration(step));
     return !InterruptGuard::interrupted();
   };
-  Clock::time_point saved = Clock::now();
+  std::optional<Clock::time_point> saved;  // once at least
   observer.checkpoint_due = [&] {
     if (setup.save_every == 0.0) return false;
-    if (std::chrono::duration<double>(Clock::now() - saved).count() < setup.save_every) return false;
+    if (saved && std::chrono::duration<double>(Clock::now() - *saved).count() < setup.save_every) return false;
     saved = Clock::now();
     return true;
   };

@@ -1,6 +1,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <optional>
 
 #include "app/equilibrium_report.hpp"
@@ -37,24 +38,56 @@ std::string document(const Context& context, const Transient& transient, const s
   return json.take();
 }
 
+/// Bytes of the header and of `rows` rows of the CSV that is there, whose header must be `header`.
+std::uintmax_t bytes_of_rows(const std::filesystem::path& there, const std::string& header, long rows) {
+  std::ifstream in(there, std::ios::binary);
+  std::string line;
+  if (!std::getline(in, line) || line + '\n' != header)
+    throw WriteError(there, "has other columns than this run", "choose another folder with --out");
+  std::uintmax_t bytes = header.size();
+  for (long row = 0; row < rows; ++row) {
+    if (!std::getline(in, line) || in.eof())
+      throw WriteError(there, "has fewer rows than the " + std::to_string(rows) + " that the checkpoint goes on from",
+                       "choose another folder with --out");
+    bytes += line.size() + 1;
+  }
+  return bytes;
+}
+
 /// Where the rows go: a file, which appears when it is complete, or standard output.
 class Series {
  public:
-  Series(const Arguments& arguments, const std::vector<Measured>& outputs)
+  /// `from`: the checkpoint of --resume; where it lies in the folder of --out, the series that is there goes on.
+  Series(const Arguments& arguments, const std::vector<Measured>& outputs, const Checkpoint* from)
       : to_stdout_(arguments.out.empty() && !arguments.json) {
     if (!arguments.out.empty()) {
       const std::filesystem::path folder(arguments.out);
       make_folder(folder);
       file_ = folder / (arguments.binary ? "time_series.npy" : "time_series.csv");
+      std::error_code ignored;
+      goes_on_ =
+          from != nullptr && !OutputFile::there_is(file_).empty() &&
+          std::filesystem::equivalent(std::filesystem::absolute(arguments.resume).parent_path(), folder, ignored);
       if (arguments.binary) {
         std::vector<std::string> columns = {"time"};
         for (const Measured& output : outputs) columns.push_back(output.name);
-        npy_.emplace(file_, columns);
+        if (goes_on_) {
+          npy_.emplace(file_, columns, static_cast<std::size_t>(from->outputs));
+        } else {
+          npy_.emplace(file_, columns);
+        }
+        npy_->keep_on_failure();
       } else {
-        csv_.emplace(file_);
+        const std::string header = csv_header(outputs);
+        if (goes_on_) {
+          csv_.emplace(file_, bytes_of_rows(OutputFile::there_is(file_), header, from->outputs));
+        } else {
+          csv_.emplace(file_);
+        }
+        csv_->keep_on_failure();
       }
     }
-    if (!npy_) write(csv_header(outputs));
+    if (!npy_ && !goes_on_) write(csv_header(outputs));
   }
   void row(double time, const Vector& values) {
     if (npy_) {
@@ -64,6 +97,11 @@ class Series {
     } else if (csv_ || to_stdout_) {
       write(csv_row(time, values));
     }
+  }
+  /// All rows so far are in the file: what a checkpoint goes on from.
+  void flush() {
+    if (csv_) csv_->flush();
+    if (npy_) npy_->flush();
   }
   void commit() {
     if (csv_) csv_->commit();
@@ -77,13 +115,14 @@ class Series {
   /// Empty where there is none.
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
   [[nodiscard]] bool scrolls() const { return to_stdout_ && isatty(STDOUT_FILENO) == 1; }
+  [[nodiscard]] bool goes_on() const { return goes_on_; }
 
  private:
   void write(const std::string& line) {
     if (csv_) csv_->write(line);
     if (to_stdout_) print(line);
   }
-  bool to_stdout_;
+  bool to_stdout_, goes_on_ = false;
   std::filesystem::path file_;
   std::optional<OutputFile> csv_;
   std::optional<NpyFile> npy_;
@@ -123,16 +162,20 @@ int run(const Arguments& arguments) {
   check(arguments);
   const Context context = load(arguments);
   const std::optional<Checkpoint> from = checkpoint_to_resume(arguments, context);
-  Series series(arguments, context.options().outputs);
+  Series series(arguments, context.options().outputs, from ? &*from : nullptr);
   const std::filesystem::path saved = std::filesystem::path(arguments.out) / "checkpoint.json";
   const auto save = [&](const Checkpoint& checkpoint) {
-    if (!arguments.out.empty()) write_file(saved, checkpoint_text(context.system(), checkpoint));
+    if (arguments.out.empty()) return;
+    series.flush();
+    write_file(saved, checkpoint_text(context.system(), checkpoint));
   };
   TransientSetup setup;
   setup.resume = from ? &*from : nullptr;
   setup.show_progress = !series.scrolls();  // rows that scroll by are progress enough
   setup.save = save;
-  setup.save_every = arguments.save_every;
+  // A run that is killed, or finds no room, can be continued from its last checkpoint: one is written after the first step.
+  constexpr double seconds_between = 5.0;
+  setup.save_every = arguments.out.empty() ? 0.0 : arguments.save_every > 0.0 ? arguments.save_every : seconds_between;
   std::vector<StartNote> notes;
   const bool at_equilibrium = context.options().simulate.from == SimulateOptions::From::equilibrium;
   if (!from) notes = tell_start_notes(context, at_equilibrium);
@@ -145,6 +188,14 @@ int run(const Arguments& arguments) {
   try {
     transient = run_transient(context, context.options().simulate, setup,
                               [&](const State& state, const Vector& values) { series.row(state.t, values); });
+  } catch (const WriteError& error) {
+    if (arguments.out.empty()) throw;
+    std::error_code ignored;
+    const bool checkpoint = std::filesystem::exists(saved, ignored);
+    throw WriteError(error.file(),
+                     error.found() + "; rows so far are in " + series.file().string() + ".part" +
+                         (checkpoint ? ", the last checkpoint is " + saved.string() : std::string()),
+                     error.remedy() + (checkpoint ? ", and go on with --resume " + saved.string() : std::string()));
   } catch (const SimulationError& error) {
     for (const std::string& warning : limit_warnings(error.limits_passed())) say("warning: " + warning + '\n');
     if (arguments.out.empty()) throw;
@@ -153,13 +204,14 @@ int run(const Arguments& arguments) {
         saved.string() + "; mend the scene or its settings and go on with --resume\n");
     throw;
   }
-  series.commit();
   save(transient.simulation.checkpoint);
+  series.commit();
   if (!arguments.quiet) {
     say(as_text(statistics_table(transient), ""));
     if (!series.file().empty()) say("wrote " + series.file().string() + " and " + saved.string() + '\n');
   }
-  for (const std::string& warning : limit_warnings(transient.simulation.limits_passed)) say("warning: " + warning + '\n');
+  for (const std::string& warning : limit_warnings(transient.simulation.limits_passed))
+    say("warning: " + warning + '\n');
   for (const AnalysisError& doubt : doubts_of(transient.simulation))
     say("warning: " + std::string(doubt.what()) + '\n');
   if (transient.interrupted)
@@ -179,8 +231,8 @@ constinit const Verb verb_simulate = {
 with output every output_step (every step of the integrator where there is none). At jumps of an input there are two
 rows with the same time: before and after. Columns are the scene's "outputs", all variables where it lists none; SI.
 Without --out the CSV goes to standard output. A summary goes to standard error. Ctrl-C keeps the results so far.
-With --out the last state is kept in DIR/checkpoint.json, also where the run is interrupted or fails: --resume goes on from
-it, with rows from there on. The integrator "generalized_alpha" then goes on with the same bits, the others start anew.
+With --out a checkpoint is kept in DIR/checkpoint.json: every few seconds, at the end, and where the run is interrupted,
+killed or fails. --resume DIR/checkpoint.json goes on from it; with the same --out the series that is there goes on, too. The integrator "generalized_alpha" then goes on with the same bits, the others start anew.
 
 Examples
   bramah simulate scenes/four_bar/overdamped.json --out results

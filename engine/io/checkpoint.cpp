@@ -179,7 +179,7 @@ std::string checkpoint_text(const System& system, const Checkpoint& checkpoint) 
   const State& state = checkpoint.state;
   JsonWriter json;
   json.begin_object().member("bramah_checkpoint", version).member("time", state.t).member("side", state.side);
-  json.member("integrator", checkpoint.integrator);
+  json.member("integrator", checkpoint.integrator).member("outputs", checkpoint.outputs);
   write_variables(json, system, state, true);
   json.key("lambda").begin_object();
   const std::vector<std::string> names = multipliers(system);
@@ -216,6 +216,8 @@ Checkpoint read_checkpoint(const System& system, const Source& source) {
   read_variables(reader, system, true, state);
   const Value* integrator = root.find("integrator");
   if (integrator != nullptr && integrator->text() != nullptr) result.integrator = *integrator->text();
+  if (const Value* outputs = root.find("outputs"); outputs != nullptr && outputs->number() != nullptr)
+    result.outputs = static_cast<long>(std::clamp(*outputs->number(), 0.0, 9e15));
   reader.named("lambda", multipliers(system), 1,
                [&](std::size_t i, const std::vector<double>& numbers) { state.lambda[i] = numbers[0]; });
   const Value* held = root.find("held");

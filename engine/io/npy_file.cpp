@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <fstream>
 
 namespace bramah {
 namespace {
@@ -31,21 +32,51 @@ std::string quoted(const std::string& name) {
 
 }  // namespace
 
-NpyFile::NpyFile(const std::filesystem::path& file, const std::vector<std::string>& columns)
-    : file_(file), columns_(columns.size()), last_count_(now()) {
+std::string NpyFile::header_of(const std::vector<std::string>& columns, std::size_t rows, long& count_at) {
   std::string header = "{'descr': [";
   for (const std::string& column : columns) header += "(" + quoted(column) + ", '<f8'), ";
   header += "], 'fortran_order': False, 'shape': (";
   // Version 3 of the format: a length of four bytes, UTF-8.
   constexpr std::size_t before = 12;
-  count_at_ = static_cast<long>(before + header.size());
-  header += padded(0) + ",), }";
+  count_at = static_cast<long>(before + header.size());
+  header += padded(rows) + ",), }";
   header.append(alignment - 1 - (before + header.size()) % alignment, ' ');
   header += '\n';
   std::string start("\x93NUMPY\x03\x00", 8);
   const auto length = static_cast<std::uint32_t>(header.size());
   for (unsigned shift = 0; shift < 32; shift += 8) start += static_cast<char>((length >> shift) & 0xFFU);
-  file_.write(start + header);
+  return start + header;
+}
+
+NpyFile::NpyFile(const std::filesystem::path& file, const std::vector<std::string>& columns)
+    : file_(file), columns_(columns.size()), last_count_(now()) {
+  file_.write(header_of(columns, 0, count_at_));
+}
+
+/// Bytes of the header and of `rows` records, after a look at what is there.
+std::uintmax_t NpyFile::bytes_of(const std::filesystem::path& file, const std::vector<std::string>& columns,
+                                 std::size_t rows) {
+  const std::filesystem::path there = OutputFile::there_is(file);
+  long count_at = 0;
+  const std::string header = header_of(columns, 0, count_at);
+  const auto count = static_cast<std::size_t>(count_at);
+  std::ifstream in(there, std::ios::binary);
+  std::string begin(header.size(), ' ');
+  in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.replace(count, count_width, header, count, count_width);
+  if (!in || begin != header)
+    throw WriteError(there, "has other columns than this run", "choose another folder with --out");
+  const std::uintmax_t bytes = header.size() + std::uintmax_t{rows} * columns.size() * sizeof(double);
+  std::error_code ignored;
+  if (std::filesystem::file_size(there, ignored) < bytes)
+    throw WriteError(there, "has fewer rows than the " + std::to_string(rows) + " that the checkpoint goes on from",
+                     "choose another folder with --out");
+  return bytes;
+}
+
+NpyFile::NpyFile(const std::filesystem::path& file, const std::vector<std::string>& columns, std::size_t rows)
+    : file_(file, bytes_of(file, columns, rows)), columns_(columns.size()), rows_(rows), last_count_(now()) {
+  header_of(columns, rows, count_at_);
 }
 
 void NpyFile::row(std::span<const double> values) {

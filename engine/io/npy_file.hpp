@@ -15,11 +15,19 @@ namespace bramah {
 class NpyFile {
  public:
   NpyFile(const std::filesystem::path& file, const std::vector<std::string>& columns);
+  /// Goes on behind the first `rows` rows of what is there, whose columns must be these. WriteError where they are not.
+  NpyFile(const std::filesystem::path& file, const std::vector<std::string>& columns, std::size_t rows);
+  void flush() { write_count(); }
+  void keep_on_failure() { file_.keep_on_failure(); }
   void row(std::span<const double> values);
   void commit();
   std::filesystem::path leave_part();
 
  private:
+  /// The file's beginning, with a count of rows at `count_at`.
+  static std::string header_of(const std::vector<std::string>& columns, std::size_t rows, long& count_at);
+  static std::uintmax_t bytes_of(const std::filesystem::path& file, const std::vector<std::string>& columns,
+                                 std::size_t rows);
   void write_count();
   OutputFile file_;
   std::size_t columns_, rows_ = 0;

@@ -1,6 +1,7 @@
 // Files that appear under their name only when they are complete.
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
@@ -26,10 +27,17 @@ class WriteError : public std::runtime_error {
   std::string found_, remedy_;
 };
 
-/// Writes to NAME.part beside the file; `commit` gives it its name. Without it the part is removed.
+/// Writes to NAME.part beside the file; `commit` gives it its name. Without it the part is removed. A part is never opened
+/// through a link, and what another run has left under its name is replaced.
 class OutputFile {
  public:
   explicit OutputFile(std::filesystem::path file);
+  /// Goes on behind the first `bytes` of what is there: the part that a broken run has left, or else the file.
+  OutputFile(std::filesystem::path file, std::uintmax_t bytes);
+  /// What the second constructor would go on with; empty where there is nothing.
+  static std::filesystem::path there_is(const std::filesystem::path& file);
+  /// From here on the part stays where it is when writing fails.
+  void keep_on_failure() { keep_ = true; }
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
   ~OutputFile();
@@ -37,6 +45,8 @@ class OutputFile {
   void write(std::string_view text);
   /// Replaces what stands at `offset`, and brings all that was written so far to the file.
   void overwrite(long offset, std::string_view text);
+  /// Brings all that was written so far to the file.
+  void flush();
   void commit();
   /// Leaves the part where it is and says where: what a broken run has found so far is worth a look.
   std::filesystem::path leave_part();
@@ -45,11 +55,13 @@ class OutputFile {
   [[noreturn]] void fail(const std::string& what, int code);
   std::filesystem::path file_, part_;
   std::FILE* out_ = nullptr;
+  bool keep_ = false;
 };
 
 /// A whole file at once.
 void write_file(const std::filesystem::path& file, std::string_view text);
-/// The folder and those around it, where they are missing.
+/// The folder and those around it, where they are missing, claimed for this process until it ends: WriteError where
+/// another run writes into it. A run that died holds nothing. Where the file system cannot lock, a warning says so.
 void make_folder(const std::filesystem::path& folder);
 
 }  // namespace bramah

@@ -1,6 +1,7 @@
 #include "linear/modes.hpp"
 
 #include "system/analysis_error.hpp"
+#include "system/scene.hpp"
 
 namespace bramah {
 namespace {
@@ -74,7 +75,7 @@ std::vector<ModalEnergies> modal_energies(const System& system, const State& sta
   if (!outcome.ok()) {
     throw AnalysisError("modes", outcome.message, "a state at which every component can be evaluated",
                         "linearize elsewhere",
-                        outcome.component < 0 ? "" : "/components/" + system.component_name(outcome.component));
+                        outcome.component < 0 ? "" : pointer("/components", system.component_name(outcome.component)));
   }
   std::vector<ModalEnergies> energies;
   for (Eigen::Index k = 0; k < shapes.motion.cols(); ++k) {

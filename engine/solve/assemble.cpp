@@ -9,6 +9,7 @@
 #include "sparse/klu.hpp"
 #include "system/analysis_error.hpp"
 #include "system/message.hpp"
+#include "system/scene.hpp"
 
 namespace bramah {
 namespace {
@@ -71,7 +72,7 @@ class NearestPoint {
 };
 
 std::string place_of(const System& system, const Outcome& outcome) {
-  return outcome.component < 0 ? "" : "/components/" + system.component_name(outcome.component);
+  return outcome.component < 0 ? "" : pointer("/components", system.component_name(outcome.component));
 }
 
 std::string with_unit(double value, const std::string& unit) { return digits(value) + (unit == "1" ? "" : " " + unit); }
@@ -184,7 +185,7 @@ void look_for_two_sides(const System& system, const State& stuck, std::span<cons
       "the start values lie midway between two assemblies: one moves " + list_of(ways) + ", the other the other way",
       "start values that are nearer to one of them",
       "move the start value of " + first.name + " to the side that is meant",
-      "/components/" + system.component_name(first.component));
+      pointer("/components", system.component_name(first.component)));
 }
 
 /// Joints that support the same directions and demand different things there: the rows that are independent at the start
@@ -208,7 +209,7 @@ void look_for_contradiction(const System& system, State state, const Vector& sta
                       "joints that agree where they support the same direction",
                       "correct the points and axes of " + joint + " or of the others, or replace " + joint +
                           " by a joint that leaves this direction free",
-                      "/components/" + joint);
+                      pointer("/components", joint));
 }
 
 /// The correction of v, repeated until it no longer helps; the largest |r| that is left of the rows that shall close, over
@@ -361,7 +362,7 @@ void assemble(const System& system, State& state, std::span<const Index> fixed, 
   throw AnalysisError("assembly", gap, "lengths, points and start values with which all constraints can be closed",
                       "check the lengths and points of " + system.component_name(open.component) +
                           " and of what it joins, or move the start values nearer to the assembled position",
-                      "/components/" + system.component_name(open.component));
+                      pointer("/components", system.component_name(open.component)));
 }
 
 /// True where the coordinates that are not `given` close all rows alone; else `state` is as it was.
@@ -427,12 +428,12 @@ void assemble_rates(const System& system, State& state, std::span<const Index> f
   const std::string rate = "the constraint " + moving.name + " opens at a rate of " +
                            digits(std::abs(blocks.r[static_cast<std::size_t>(row)])) +
                            (moving.unit == "1" ? " 1/s" : " " + moving.unit + "/s");
-  throw AnalysisError("assembly",
-                      (fixed.empty() ? "" : "with the start rates of " + names_of(system, fixed) + " held, ") + rate,
-                      "start rates that the constraints allow",
-                      fixed.empty() ? "change the start rates, or the driver that demands this one"
-                                    : "hold fewer coordinates, or correct their start rates",
-                      fixed.empty() ? "/components/" + system.component_name(moving.component) : std::string("/hold"));
+  throw AnalysisError(
+      "assembly", (fixed.empty() ? "" : "with the start rates of " + names_of(system, fixed) + " held, ") + rate,
+      "start rates that the constraints allow",
+      fixed.empty() ? "change the start rates, or the driver that demands this one"
+                    : "hold fewer coordinates, or correct their start rates",
+      fixed.empty() ? pointer("/components", system.component_name(moving.component)) : std::string("/hold"));
 }
 
 }  // namespace

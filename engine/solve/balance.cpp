@@ -6,6 +6,7 @@
 
 #include "solve/assemble.hpp"
 #include "system/message.hpp"
+#include "system/scene.hpp"
 
 namespace bramah {
 namespace {
@@ -281,7 +282,7 @@ bool Balance::follow(Direction& along) {
 }
 
 std::string Balance::place_of_failure() const {
-  return outcome_.component < 0 ? "" : "/components/" + system_.component_name(outcome_.component);
+  return outcome_.component < 0 ? "" : pointer("/components", system_.component_name(outcome_.component));
 }
 
 std::string Balance::equation_name(Index i) const {

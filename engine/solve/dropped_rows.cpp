@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "system/message.hpp"
+#include "system/scene.hpp"
 
 namespace bramah {
 namespace {
@@ -89,7 +90,7 @@ AnalysisError DroppedRows::error(const State& state, const RedundantRow& dropped
       "constraints that depend on each other everywhere, or nowhere along the motion",
       "start a little away from this position, on the branch that is meant; a structure that is locked there needs no "
       "simulation, or other lengths",
-      "/components/" + system_.component_name(row.component)};
+      pointer("/components", system_.component_name(row.component))};
 }
 
 }  // namespace bramah

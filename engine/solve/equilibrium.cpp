@@ -9,6 +9,7 @@
 #include "solve/settling.hpp"
 #include "system/limits.hpp"
 #include "system/message.hpp"
+#include "system/scene.hpp"
 
 namespace bramah {
 namespace {
@@ -49,7 +50,7 @@ void refuse_drives(const System& system, const State& state) {
         "stop what " + name +
             " drives for this analysis, or begin at the start state: \"linearize\": {\"at\": \"start\"}, \"simulate\": "
             "{\"from\": \"start\"}",
-        "/components/" + name);
+        pointer("/components", name));
   }
 }
 
@@ -208,7 +209,7 @@ class Search {
                      : "an equilibrium at the start values of what is held: " + held,
         std::string(held.empty() ? "" : "hold fewer variables, ") +
             "move the start values, or check that something balances this row",
-        "/components/" + balance.equation_component(row));
+        pointer("/components", balance.equation_component(row)));
   }
 
   [[noreturn]] void refuse_to_run_away(const Balance& balance, Index row) const {
@@ -222,7 +223,7 @@ class Search {
         coordinate ? "something that balances this force" : "something that balances this flow",
         coordinate ? "connect a joint, a spring or a support; holding " + away.name + " would not balance the force"
                    : "connect a way out, or a source; holding " + away.name + " would not balance the flow",
-        "/components/" + balance.equation_component(row));
+        pointer("/components", balance.equation_component(row)));
   }
 
   const System& system_;

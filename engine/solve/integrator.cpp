@@ -1,6 +1,7 @@
 #include "solve/integrator.hpp"
 
 #include "system/message.hpp"
+#include "system/scene.hpp"
 
 namespace bramah {
 namespace {
@@ -45,7 +46,7 @@ AnalysisError stalled(const System& system, double t, double step, std::string w
       "simulate", "at t = " + digits(t, 6) + " s with a step of " + digits(step, 6) + " s " + why,
       "a motion that can be continued",
       "look at that component just before this time; a mechanism may be passing a singular position, a volume or a length zero",
-      component.empty() ? "" : "/components/" + component};
+      component.empty() ? "" : pointer("/components", component)};
 }
 
 }  // namespace bramah

@@ -63,7 +63,7 @@ void Kkt::factor(const Blocks& blocks) {
                              : "inertia for every motion that the constraints leave free",
                       stores ? "check what stores at " + name + ": a chamber may have no length at the start values"
                              : "give " + name + " mass and inertia, or a constraint that holds it",
-                      name.empty() ? name : "/components/" + name);
+                      name.empty() ? name : pointer("/components", name));
 }
 
 void Kkt::solve(std::span<double> rhs, Index count) const {

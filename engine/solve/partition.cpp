@@ -7,6 +7,7 @@
 
 #include "sparse/rank_lu.hpp"
 #include "system/analysis_error.hpp"
+#include "system/scene.hpp"
 
 namespace bramah {
 namespace {
@@ -22,8 +23,9 @@ struct ScaledTranspose {
     Blocks blocks(system);
     const Outcome outcome = blocks.evaluate(system, state, Request{}.blocks({BRAMAH_R_V}));
     if (!outcome.ok()) {
-      throw AnalysisError("partition", outcome.message, "constraints that can be evaluated", "check the start values",
-                          outcome.component < 0 ? "" : "/components/" + system.component_name(outcome.component));
+      throw AnalysisError(
+          "partition", outcome.message, "constraints that can be evaluated", "check the start values",
+          outcome.component < 0 ? "" : pointer("/components", system.component_name(outcome.component)));
     }
     const std::vector<Index> coordinates = shifted(system.n(), 0), rows = shifted(system.m() + system.l(), 0);
     const Term term{BRAMAH_R_V, rows, coordinates, true, 0};

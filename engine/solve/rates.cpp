@@ -8,6 +8,7 @@
 
 #include "system/analysis_error.hpp"
 #include "system/message.hpp"
+#include "system/scene.hpp"
 
 namespace bramah {
 namespace {
@@ -173,7 +174,7 @@ void Rates::project(State& state) {
       "at t = " + digits(state.t, 6) + " s " + system_.constraint(row).name + " cannot be closed by a small correction",
       "a mechanism away from its singular positions",
       "look at that joint just before this time, and lower \"rel_tol\" or set \"max_step\"",
-      "/components/" + system_.component_name(system_.constraint(row).component));
+      pointer("/components", system_.component_name(system_.constraint(row).component)));
 }
 
 void Rates::linearize(State& state) {

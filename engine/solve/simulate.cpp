@@ -117,6 +117,10 @@ class Run {
   void settle(const Events::Hit& hit);
   void take(const Events::Hit& hit);
   void emit(double t);
+  void give(const State& state) {
+    observer_.output(state);
+    ++outputs_;
+  }
   void note_step(double step);
   void note_limits();
   [[nodiscard]] std::vector<LimitPassed> limits_passed();
@@ -148,6 +152,7 @@ class Run {
   std::optional<AnalysisError> choose_after_step_;  // rows are chosen anew at the end of this step, or this is thrown
   double last_event_ = -HUGE_VAL;
   int crowded_ = 0;  // events in a row that came too soon
+  long outputs_ = 0;
   std::vector<long> limited_;
   /// The farthest beyond each limit of a law that goes on there.
   struct Beyond {
@@ -210,11 +215,12 @@ void Run::recall(const Checkpoint& from) {
   resumed_ = true;
   memory_ = from.memory;
   events_.recall(from.events);
+  outputs_ = from.outputs;
 }
 
 Checkpoint Run::checkpoint() const {
   const bool anew = anew_ || state_.t >= next_jump_;
-  return {state_, chosen_at_, integrator_name(), anew ? Vector() : integrator().memory(), events_.memory()};
+  return {state_, chosen_at_, integrator_name(), anew ? Vector() : integrator().memory(), events_.memory(), outputs_};
 }
 
 /// Output at t within the last step: completed.
@@ -223,7 +229,7 @@ void Run::emit(double t) {
   watch_.lap(result_.statistics.seconds_integrating);
   state_at(t, shown_);
   complete(shown_);
-  observer_.output(shown_);
+  give(shown_);
   watch_.lap(result_.statistics.seconds_outputs);
 }
 
@@ -301,7 +307,7 @@ void Run::take(const Events::Hit& hit) {
     result_.events.push_back({hit.time, events_.name(event)});
     const EventOptions* condition = events_.condition(event);
     if (condition == nullptr) continue;
-    if (!shown && observer_.output) observer_.output(state_);
+    if (!shown && observer_.output) give(state_);
     shown = true;
     if (condition->stop) {
       result_.stopped_by = condition->name;
@@ -316,7 +322,7 @@ void Run::take(const Events::Hit& hit) {
   state_.side = 1;
   apply_inputs(system_, state_);
   complete(state_);
-  if (observer_.output) observer_.output(state_);
+  if (observer_.output) give(state_);
 }
 
 /// One step from state_, where all rows are closed, to the time that is returned; nothing where rows were chosen anew.
@@ -493,7 +499,7 @@ Simulation Run::march() {
       const bool jump = state_.side < 0 && is_breakpoint(system_, state_.t);
       const auto hit = begin_segment();
       // The start, and the far side of every jump of an input.
-      if (observer_.output && (first || jump)) observer_.output(state_);
+      if (observer_.output && (first || jump)) give(state_);
       if (hit) {
         take(*hit);  // may change inputs, and with them what is true
       } else {

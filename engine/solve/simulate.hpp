@@ -47,6 +47,7 @@ struct Checkpoint {
   std::string integrator;  // Integrator::name
   Vector memory;           // Integrator::memory; empty where integration starts anew
   std::vector<EventMemory> events;
+  long outputs = 0;  // how many the run has made so far, those before it was continued included
 };
 
 struct Observer {

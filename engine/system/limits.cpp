@@ -1,6 +1,7 @@
 #include "system/limits.hpp"
 
 #include "system/message.hpp"
+#include "system/scene.hpp"
 
 namespace bramah {
 namespace {
@@ -60,7 +61,7 @@ AnalysisError Limits::error(const std::string& analysis, const State& state, std
               (others.empty() ? "" : "; so does that of others: " + list_of(others)),
           std::string(limit.lower ? "at least " : "at most ") + digits(limit.bound, 6) + unit,
           "check the parameters of " + name + " and the start values, or add what keeps the machine from going there",
-          "/components/" + name};
+          pointer("/components", name)};
 }
 
 std::vector<std::pair<std::size_t, std::string>> Limits::passed(const State& state) {
