@@ -37,13 +37,13 @@ struct Cylinder {
     is.port("stroke", stroke, "its length from end to end", "m");
     is.port("piston_side", piston_side, "volume that extends it", "Pa");
     is.port("rod_side", rod_side, "volume that retracts it", "Pa");
-    is.parameter("D_2", D_2, "m").above(0.0).doc("diameter of the piston");
-    is.parameter("D_3", D_3, "m").at_least(0.0).doc("diameter of the rod");
-    is.parameter("l", l, "m").above(0.0).doc("length of the chamber");
+    is.parameter("D_2", D_2, "m").above(0.0).typical(2e-3, 2.0).doc("diameter of the piston");
+    is.parameter("D_3", D_3, "m").at_least(0.0).typical(1e-3, 2.0).doc("diameter of the rod");
+    is.parameter("l", l, "m").above(0.0).typical(1e-3, 50.0).doc("length of the chamber");
     is.parameter("c_1", c_1, "m").by_default(0.0).doc("from the end of the cylinder to the base of its chamber");
     is.parameter("c_2", c_2, "m").by_default(0.0).doc("length of the piston");
-    is.parameter("B_oil", B_oil, "Pa").above(0.0).doc("bulk modulus of the oil");
-    is.parameter("B_c", B_c, "Pa").above(0.0).doc("bulk modulus of the barrel");
+    is.parameter("B_oil", B_oil, "Pa").above(0.0).typical(1e8, 1e10).doc("bulk modulus of the oil");
+    is.parameter("B_c", B_c, "Pa").above(0.0).typical(1e8, 1e13).doc("bulk modulus of the barrel");
     describe_air(is, air);
     is.valid("l_2", least_2, "m", 1.0, "length of the piston-side chamber").at_least(0.0);
     is.valid("l_3", least_3, "m", 1.0, "length of the rod-side chamber").at_least(0.0);

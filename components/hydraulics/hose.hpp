@@ -21,9 +21,9 @@ struct Hose {
   void describe(Description& is) {
     is.called("hydraulics/hose", "an elastic hose full of oil, Eq. (2)");
     is.port("volume", volume, "the volume it is part of", "Pa");
-    is.parameter("V_h", V_h, "m^3").above(0.0).doc("volume of the hose");
-    is.parameter("B_h", B_h, "Pa").above(0.0).doc("bulk modulus of its wall");
-    is.parameter("B_oil", B_oil, "Pa").above(0.0).doc("bulk modulus of the oil");
+    is.parameter("V_h", V_h, "m^3").above(0.0).typical(1e-8, 10.0).doc("volume of the hose");
+    is.parameter("B_h", B_h, "Pa").above(0.0).typical(1e6, 1e13).doc("bulk modulus of its wall");
+    is.parameter("B_oil", B_oil, "Pa").above(0.0).typical(1e8, 1e10).doc("bulk modulus of the oil");
     describe_air(is, air);
   }
   template <class T>

@@ -12,7 +12,7 @@ struct PressureSource {
 
   void describe(Description& is) {
     is.called("hydraulics/pressure_source", "a constant pressure: a pump, an accumulator or a tank");
-    is.parameter("p", p, "Pa").doc("the pressure");
+    is.parameter("p", p, "Pa").typical(1e4, 1e9).doc("the pressure");
     is.provide_signal<Pressure>("p", "Pa", "the pressure");
   }
   [[nodiscard]] Parameter signal(double, int) const { return p; }

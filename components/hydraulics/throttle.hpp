@@ -23,9 +23,9 @@ struct Throttle : Resistor<Throttle> {
     is.called("hydraulics/throttle", "a throttle valve, Eqs. (5), (6)");
     is.port("a", a, "volume upstream", "Pa");
     is.port("b", b, "volume downstream", "Pa");
-    is.parameter("C_d", C_d, "1").above(0.0).doc("discharge coefficient");
-    is.parameter("A_t", A_t, "m^2").at_least(0.0).doc("area of the opening");
-    is.parameter("rho_oil", rho_oil, "kg/m^3").above(0.0).doc("density of the oil");
+    is.parameter("C_d", C_d, "1").above(0.0).typical(0.1, 1.5).doc("discharge coefficient");
+    is.parameter("A_t", A_t, "m^2").at_least(0.0).typical(1e-9, 1e-2).doc("area of the opening");
+    is.parameter("rho_oil", rho_oil, "kg/m^3").above(0.0).typical(500.0, 2000.0).doc("density of the oil");
     is.parameter("dp_lim", dp_lim, "Pa").by_default(2e5).above(0.0).doc("drop at which the flow turns turbulent");
     is.output("flow", flow_out, "m^3/s", "flow from a to b");
     is.switching("laminar_limit", laminar_limit, "Pa", 1e5, "the drop less dp_lim: the flow turns turbulent");

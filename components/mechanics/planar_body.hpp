@@ -27,7 +27,7 @@ struct PlanarBody {
     is.parameter("mass", mass, "kg").above(0.0).doc("mass");
     is.parameter("inertia", inertia, "kg.m^2").at_least(0.0).doc("moment of inertia about the centre of mass");
     is.parameter("position", position, "m").by_default(0.0).doc("start: centre of mass");
-    is.parameter("angle", angle, "rad").by_default(0.0).doc("start: rotation, from x to y");
+    is.parameter("angle", angle, "rad").by_default(0.0).typical(-6.3, 6.3).doc("start: rotation, from x to y");
     is.parameter("velocity", velocity, "m/s").by_default(0.0).doc("start: velocity of the centre of mass");
     is.parameter("angular_velocity", angular_velocity, "rad/s").by_default(0.0).doc("start: rate of the rotation");
     is.own("frame", frame, "centre of mass and body axes");

@@ -19,6 +19,7 @@ struct Arguments {
   std::string resume;                 // of simulate: a checkpoint to go on from
   double save_every = 0.0;            // of simulate: s between checkpoints; 0: at the end alone
   bool binary = false;                // of simulate: time_series.npy instead of .csv
+  bool strict = false;                // warnings about the scene are errors
   bool quiet = false;                 // no progress bars, no word about files written
   bool json = false;                  // one JSON document on standard output
 };

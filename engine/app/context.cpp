@@ -31,6 +31,18 @@ void refuse_too_large(const System& system, const Partition& partition) {
                    "make room, or send the output elsewhere");
 }
 
+/// One line each.
+void tell_warnings(const Source& source, const std::vector<Diagnostic>& warnings) {
+  constexpr std::size_t most = 20;
+  const std::vector<Place> places = locate_all(source, warnings);
+  for (std::size_t k = 0; k < std::min(most, warnings.size()); ++k) {
+    const Diagnostic& one = warnings[k];
+    say(source.name + ":" + std::to_string(places[k].line) + ":" + std::to_string(places[k].column) +
+        ": warning: " + one.pointer + ": " + one.found + "; expected " + one.expected + "; " + one.remedy + '\n');
+  }
+  if (warnings.size() > most) say("... " + std::to_string(warnings.size()) + " warnings in all\n");
+}
+
 }  // namespace
 
 void refuse_singular(const System& system, const State& state) {
@@ -51,6 +63,8 @@ Context load(const Arguments& arguments) {
     if (!arguments.outputs.empty())
       scene.root.set("outputs", Value::List(arguments.outputs.begin(), arguments.outputs.end()));
     Compiled compiled = compile(scene, std::make_shared<Registry>(), std::move(of_shape));
+    if (arguments.strict && !compiled.warnings.empty()) throw SceneError(compiled.warnings);
+    if (!arguments.quiet) tell_warnings(source, compiled.warnings);
     return {arguments, std::move(scene), std::move(compiled)};
   } catch (const SceneError& error) {
     throw Failure::scene(source, error, arguments.settings);

@@ -22,6 +22,7 @@ constexpr const char* kOptions =
     "  --set COMPONENT.PARAMETER=VALUE  change the scene for this run, also SECTION.KEY=VALUE; may be repeated.\n"
     "                                   VALUE as in the scene: 3.5e6, \"3.5 MPa\", true\n"
     "  --out DIR                        write the results there; files appear when they are complete\n"
+    "  --strict                         warnings about the scene are errors\n"
     "  --quiet                          no progress bar, no word about files that are written\n"
     "  --json                           one JSON document on standard output, everything else on standard error\n";
 
@@ -79,7 +80,7 @@ const Verb* find_verb(const std::string& name) {
                              ? "write --set before it; put quotation marks around values with blanks"
                              : help);
   }
-  std::vector<std::string> known = {"--set", "--out", "--quiet", "--json", "--help"};
+  std::vector<std::string> known = {"--set", "--out", "--quiet", "--strict", "--json", "--help"};
   known.insert(known.begin(), verb.options.begin(), verb.options.end());
   std::string list;
   for (const std::string& option : known) list += (list.empty() ? "" : ", ") + option;
@@ -95,6 +96,7 @@ int run_verb(const Verb& verb, int argc, char** argv) {
   app.add_option("--set", arguments.settings)->allow_extra_args(false);
   app.add_option("--out", arguments.out);
   app.add_flag("--quiet", arguments.quiet);
+  app.add_flag("--strict", arguments.strict);
   app.add_flag("--json", arguments.json);
   const auto offers = [&](const char* option) {
     return std::any_of(verb.options.begin(), verb.options.end(),
@@ -169,7 +171,7 @@ int guarded_run(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) json = json || std::strcmp(argv[i], "--json") == 0;
   for (int i = argc - 1; i > 1; --i) {
     const std::string before = argv[i - 1];
-    const bool is_value = before.starts_with("--") && before != "--json" && before != "--quiet";
+    const bool is_value = before.starts_with("--") && before != "--json" && before != "--quiet" && before != "--strict";
     if (argv[i][0] != '-' && !is_value) scene = argv[i];
   }
   try {

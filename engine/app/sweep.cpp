@@ -116,7 +116,8 @@ class SweptScene {
       if (InterruptGuard::interrupted()) throw AnalysisError("sweep", "interrupted", "time to go on", "");
       try {
         const VariedScene::Compilation compilation(varied_, place(value));
-        const auto& [system, options] = compilation.get();
+        const System& system = compilation.get().system;
+        const Options& options = compilation.get().options;
         if (near != nullptr) return continue_equilibrium(system, options.equilibrium, *near).state;
         Rest rest{find_equilibrium(system, options.equilibrium, options.simulate.from_time), {}};
         State state = rest.equilibrium.state;

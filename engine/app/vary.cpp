@@ -103,7 +103,8 @@ bool simulate_one(const Compiled& compiled, std::vector<double>& values, std::st
   const Simulation simulation = simulate(system, options, start, observer);
   if (simulation.stopped) return false;
   if (const auto doubts = doubts_of(simulation); !doubts.empty()) throw AnalysisError(doubts.front());
-  for (const std::string& one : limit_warnings(simulation.limits_passed)) warning += (warning.empty() ? "" : "; ") + one;
+  for (const std::string& one : limit_warnings(simulation.limits_passed))
+    warning += (warning.empty() ? "" : "; ") + one;
   values.push_back(figures.time());
   for (std::size_t output = 0; output < vary.of.size(); ++output) {
     for (const Figure figure : vary.figures) values.push_back(figures.figure(output, figure));

@@ -76,6 +76,12 @@ std::string document(const Context& context, const Assembly& assembly) {
   json.end_list();
   write_redundancy(json, redundancy(context, assembly), system);
   write_notes(json, assembly.notes);
+  json.key("warnings").begin_list();
+  for (const Diagnostic& one : context.compiled.warnings) {
+    json.begin_object().member("code", one.code).member("at", one.pointer).member("found", one.found);
+    json.member("expected", one.expected).member("remedy", one.remedy).end_object();
+  }
+  json.end_list();
   json.member("assembled", !assembly.failure).end_object();
   return json.take();
 }

@@ -148,6 +148,25 @@ void add_limit_notes(const System& system, const State& state, std::vector<Start
   }
 }
 
+/// Start values that the assembly moves by more than the machine is large: mostly a wrong unit.
+void add_far_notes(const System& system, const Vector& start, const State& state, std::vector<StartNote>& notes) {
+  double largest = 0.0;  // of the machine where it stands
+  for (std::size_t i = 0; i < system.x.size(); ++i) {
+    if (system.x[i].unit != "m") continue;
+    largest = std::max(largest, std::abs(state.x[i]));
+  }
+  const double size = std::max(largest, system.scales.length);
+  for (std::size_t i = 0; i < system.x.size(); ++i) {
+    const Variable& x = system.x[i];
+    if (x.unit != "m" || !(std::abs(state.x[i] - start[i]) > 2.0 * size)) continue;
+    notes.push_back({"moved far",
+                     {x.name},
+                     "the assembly moves " + x.name + " from " + digits(start[i], 6) + " m to " +
+                         digits(state.x[i], 6) + " m, farther than the machine is large",
+                     "check the start value and its unit"});
+  }
+}
+
 std::vector<Index> changed_rates(const System& system, const State& state) {
   std::vector<Index> changed = given_rates(system);
   std::erase_if(changed, [&](Index index) {
@@ -188,6 +207,7 @@ std::vector<StartNote> start_notes(const System& system, const Options& options,
     assemble_start(system, options, state);
   }
   std::vector<StartNote> notes;
+  add_far_notes(system, start, state, notes);
   if (const auto other = find_near_assembly(system, state, start, options.equilibrium.hold_x))
     notes.push_back(note_on(system, *other, !options.equilibrium.hold_x.empty()));
   if (const auto rounding = note_on_rounding(system, state)) notes.push_back(*rounding);

@@ -24,7 +24,8 @@ State reference_state(const System& system, const Options& options, bool equilib
 
 /// A start that is sound, and perhaps not the one that is meant.
 struct StartNote {
-  std::string kind;  // "near assembly", "rounded data", "singular position", "nearly singular", "rate changed"
+  /// "near assembly", "rounded data", "singular position", "nearly singular", "rate changed", "beyond a limit", "moved far"
+  std::string kind;
   std::vector<std::string> names;  // of the coordinates concerned
   std::string found, remedy;
 };

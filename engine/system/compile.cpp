@@ -30,6 +30,13 @@ void Faults::add(std::string code, std::string where, std::string found, std::st
   list.push_back(std::move(d));
 }
 
+void Faults::warn(std::string code, std::string where, std::string found, std::string expected, std::string remedy) {
+  add(std::move(code), std::move(where), std::move(found), std::move(expected), std::move(remedy));
+  warnings.push_back(std::move(list.back()));
+  warnings.back().severity = Diagnostic::Severity::warning;
+  list.pop_back();
+}
+
 namespace {
 
 std::string unescaped(std::string_view key) {
@@ -87,6 +94,7 @@ Compiled Compiler::run() {
   set_assembly_tolerance();
   keep_origins();
   system().registry = registry_;
+  compiled_.warnings = std::move(faults_.warnings);
   return std::move(compiled_);
 }
 

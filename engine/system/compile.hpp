@@ -16,6 +16,7 @@ namespace bramah {
 struct Compiled {
   System system;
   Options options;
+  std::vector<Diagnostic> warnings;  // what is allowed and rarely meant
 };
 
 /// Loads the scene's libraries into `registry` and compiles. Throws SceneError with every fault of the scene, after the

@@ -58,6 +58,7 @@ void Compiler::connect() {
     }
     Group& group = s.groups[static_cast<std::size_t>(draft.group)];
     std::vector<std::int32_t>* maps[3] = {&group.x, &group.z, &group.u};
+    const std::size_t faults = faults_.list.size();
     for (std::int32_t i = 0; i < type.port_count; ++i) {
       const bramah_port_info& port = type.ports[i];
       std::vector<std::int32_t>& map = *maps[port.family];
@@ -89,6 +90,81 @@ void Compiler::connect() {
     group.first_holonomic.push_back(draft.first_holonomic);
     group.first_nonholonomic.push_back(draft.first_nonholonomic);
     group.first_output.push_back(draft.first_output);
+    if (faults_.list.size() == faults) check_sense(draft, group);
+  }
+  if (faults_.list.empty()) check_gravity();
+}
+
+void Compiler::check_sense(const Draft& draft, const Group& group) {
+  const bramah_type& type = *draft.type;
+  const auto position = static_cast<std::size_t>(draft.position);
+  const auto first_of = [&](std::int32_t port) {
+    std::size_t slot = 0;
+    for (std::int32_t k = 0; k < port; ++k) {
+      if (type.ports[k].family == type.ports[port].family) slot += static_cast<std::size_t>(type.ports[k].slots);
+    }
+    const auto& map = type.ports[port].family == BRAMAH_X ? group.x : group.z;
+    return map[position * static_cast<std::size_t>(type.ports[port].family == BRAMAH_X ? type.nx : type.nz) + slot];
+  };
+  // What is connected to a component of unknown type has no place.
+  const auto is_known = [&](const bramah_port_info& port) {
+    const std::string& reference = *draft.value->find(port.name)->text();
+    return drafts_[by_name_.at(reference.substr(0, reference.find('.')))].type != nullptr;
+  };
+  for (std::int32_t i = 0; i < type.port_count; ++i) {
+    for (std::int32_t j = 0; j < i; ++j) {
+      const bramah_port_info &a = type.ports[j], &b = type.ports[i];
+      const bool alike = std::string_view(a.kind) == b.kind && a.family != BRAMAH_U;
+      if (!alike || draft.value->find(a.name) == nullptr || draft.value->find(b.name) == nullptr) continue;
+      if (first_of(i) != first_of(j) || !is_known(a) || !is_known(b)) continue;
+      const std::string both = std::string("\"") + a.name + "\" and \"" + b.name + "\" are the same ";
+      const std::string where = pointer(draft.where, b.name);
+      if (std::string_view(b.kind).ends_with("frame")) {
+        faults_.add("inconsistent", where, both + "body", "two bodies", "name the other body, or \"ground\"");
+      } else if (std::string_view(b.kind) == "pressure" && a.required != 0 && b.required != 0) {
+        faults_.warn("unusual", where, both + "volume", "volumes of their own", "name the other volume");
+      }
+    }
+  }
+}
+
+void Compiler::check_gravity() {
+  const System& s = system();
+  std::vector<const Draft*> without;
+  std::size_t with = 0;
+  for (const Draft& draft : drafts_) {
+    if (draft.type == nullptr || !draft.sound) continue;
+    const bramah_type& type = *draft.type;
+    const Group& group = s.groups[static_cast<std::size_t>(draft.group)];
+    std::size_t slot = 0;
+    bool planar = false;
+    for (std::int32_t k = 0; k < type.terminal_count; ++k)
+      planar |= type.terminals[k].source == BRAMAH_OWN && std::string_view(type.terminals[k].kind) == "planar_frame";
+    for (std::int32_t k = 0; k < type.port_count; ++k) {
+      const bramah_port_info& port = type.ports[k];
+      if (port.family != BRAMAH_U) continue;
+      const std::size_t first = slot;
+      slot += static_cast<std::size_t>(port.slots);
+      if (std::string_view(port.kind) != "gravity") continue;
+      if (draft.value->find(port.name) == nullptr) {
+        without.push_back(&draft);
+        continue;
+      }
+      ++with;
+      const auto place =
+          static_cast<Index>(group.u[static_cast<std::size_t>(draft.position * type.nu) + first]) - s.nz() - s.nu();
+      if (!planar || place < 0 || place + 3 > static_cast<Index>(s.z_constants.size())) continue;
+      const double* g = &s.z_constants[static_cast<std::size_t>(place)];
+      if (g[0] == 0.0 && g[1] == 0.0 && g[2] != 0.0)
+        faults_.warn("unusual", pointer(draft.where, port.name),
+                     "the gravity of \"" + draft.name + "\" is along z and has no part in the plane x-y",
+                     "a part in the plane", "give the field an \"acceleration\" such as [0, -9.81, 0]");
+    }
+  }
+  for (const Draft* draft : without) {
+    if (with == 0) break;
+    faults_.warn("unusual", draft->where, "\"" + draft->name + "\" feels no gravity, and other bodies do",
+                 "a port \"gravity\" at all bodies, or at none", "add \"gravity\" to it");
   }
 }
 

@@ -1,6 +1,8 @@
 // Numbers of a scene: plain, with a unit, or a constant by name.
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <map>
 
 #include "system/compile_parts.hpp"
 
@@ -89,8 +91,27 @@ std::optional<Unit> Numbers::unit_of(const Quantity& quantity, const std::string
                                      const Unit* wanted, const std::string& shown) {
   const std::optional<Unit> unit = parse_unit(quantity.unit);
   if (unit) return unit;
-  std::string remedy = "write products with a dot: N.m, kg.m^2, m^3/(s.Pa^0.5)";
-  if (quantity.unit.front() == ',') {
+  static const std::map<std::string, std::string> others = {{"\u00b0", "write deg"},
+                                                            {"lb", "1 lb = 0.45359237 kg"},
+                                                            {"lbs", "1 lb = 0.45359237 kg"},
+                                                            {"lbf", "1 lbf = 4.4482216152605 N"},
+                                                            {"kgf", "1 kgf = 9.80665 N"},
+                                                            {"ft", "1 ft = 0.3048 m"},
+                                                            {"gal", "1 US gal = 3.785411784 L"},
+                                                            {"hp", "1 hp = 745.69987158227 W"},
+                                                            {"cal", "1 cal = 4.184 J"},
+                                                            {"at", "1 at = 98066.5 Pa"},
+                                                            {"atm", "1 atm = 101325 Pa"},
+                                                            {"l", "write L"},
+                                                            {"C", "write degC"},
+                                                            {"sec", "write s"}};
+  const bool word = std::all_of(quantity.unit.begin(), quantity.unit.end(),
+                                [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; });
+  std::string remedy = word ? "use one of these units" : "write products with a dot: N.m, kg.m^2, m^3/(s.Pa^0.5)";
+  const auto known = others.find(quantity.unit);
+  if (known != others.end()) {
+    remedy = known->second;
+  } else if (quantity.unit.front() == ',') {
     remedy = "write a decimal point, not a comma";
   } else if (wanted != nullptr) {
     remedy = suggestion(quantity.unit, split(alternatives(*wanted)), remedy);
@@ -144,12 +165,18 @@ Numbers::Known* Numbers::find_constant(const std::string& name, const std::strin
   if (constant == constants_.end()) {
     std::vector<std::string> names;
     for (const auto& [key, unused] : constants_) names.push_back(key);
-    const std::string meant = closest(name, names);
+    const bool expression = name.find_first_of("+-*/^() ") != std::string::npos;
+    const std::string meant = expression ? "" : closest(name, names);
     used_.insert(meant);
+    for (const std::string& key : names) {
+      if (expression && name.find(key) != std::string::npos) used_.insert(key);
+    }
     faults_.add(
         "unknown-constant", where, named(where) + " is \"=" + name + "\", and there is no constant \"" + name + '"',
         names.empty() ? "a name from the section \"constants\", which is empty" : "one of: " + quoted_list(names),
-        meant.empty() ? "add it to \"constants\"" : "did you mean \"=" + meant + "\"?");
+        expression      ? "expressions are not read: add a constant with the number"
+        : meant.empty() ? "add it to \"constants\""
+                        : "did you mean \"=" + meant + "\"?");
     return nullptr;
   }
   used_.insert(name);

@@ -85,7 +85,7 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
   simulate.asked = root.find("simulate") != nullptr;
   reader.section(root, "simulate",
                  {"from", "from_time", "to_time", "output_step", "output_times", "integrator", "rel_tol", "max_step",
-                  "step", "rho_infinity", "switches", "events"},
+                  "most_rows", "step", "rho_infinity", "switches", "events"},
                  [&](const std::string& key, const Value& value, const std::string& where) {
                    if (key == "from") {
                      reader.word<SimulateOptions::From>(
@@ -113,6 +113,8 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
                      reader.number(value, where, "1", 0.0, simulate.rel_tol, true);
                    } else if (key == "max_step") {
                      reader.number(value, where, "s", 0.0, simulate.max_step, true);
+                   } else if (key == "most_rows") {
+                     reader.number(value, where, "1", 0.0, simulate.most_rows, true);
                    } else if (key == "step") {
                      reader.number(value, where, "s", 0.0, simulate.step, true);
                    } else if (key == "switches") {
@@ -135,6 +137,19 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
                "a fixed \"step\" with \"integrator\": \"generalized_alpha\", and with no other",
                fixed ? "give \"step\", for example \"1 ms\"" : "limit the steps of other integrators by \"max_step\"");
   }
+  // Work that can be told before it begins.
+  const double length = simulate.to_time - simulate.from_time;
+  const auto bound = [&](double step, const char* key, const char* what) {
+    if (!(step > 0.0) || !(length / step > simulate.most_rows)) return;
+    faults.add("out-of-range", pointer("/simulate", key),
+               std::string("\"") + key + "\" of " + with_unit(step, "s") + " asks for " + number_text(length / step) +
+                   " " + what + " in a run of " + with_unit(length, "s"),
+               "at most " + number_text(simulate.most_rows) + " " + what,
+               "take a longer one, or allow more by \"most_rows\"", root.find("simulate") == nullptr);
+  };
+  bound(simulate.output_step, "output_step", "rows");
+  bound(simulate.max_step, "max_step", "steps");
+  bound(simulate.step, "step", "steps");
   if (simulate.rho_infinity > 1.0) {
     faults.add("out-of-range", "/simulate/rho_infinity", "rho_infinity = " + with_unit(simulate.rho_infinity, "1"),
                "0 ... 1: the part of the fastest motions that a step keeps", "0.8 is a good start");
@@ -197,6 +212,12 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
     reader.swept(root, *sweep, "/sweep", options.sweep.over);
     if (const Value* second = sweep->find("second"); second != nullptr && second->object() != nullptr) {
       reader.swept(root, *second, "/sweep/second", options.sweep.over);
+      constexpr double most_points = 1e6;
+      double points = 1.0;
+      for (const SweptParameter& one : options.sweep.over) points *= static_cast<double>(one.values.size());
+      if (points > most_points)
+        faults.add("out-of-range", "/sweep", "the sweep asks for " + number_text(points) + " points",
+                   "at most " + number_text(most_points), "take fewer values", true);
     } else if (second != nullptr) {
       faults.add("wrong-kind", "/sweep/second", "\"second\" is " + description(*second), "an object",
                  "write it as the sweep itself: { \"parameter\": ... }");

@@ -1,6 +1,7 @@
 // What a component says of itself: its type, its keys, its parameters and their limits.
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "system/compiler.hpp"
 
@@ -23,6 +24,30 @@ int choice_index(const bramah_parameter_info& info, std::string_view word) {
 
 }  // namespace
 
+/// A unit that a type declares and nobody knows would leave all its numbers unchecked.
+void Compiler::check_type_units(const Draft& draft) {
+  const bramah_type& type = *draft.type;
+  if (!known_units_.insert(type.name).second) return;
+  const auto look = [&](const char* what, const char* name, const char* unit) {
+    if (unit == nullptr || unit[0] == '@' || parse_unit(unit)) return;
+    faults_.add(
+        "component-broken", draft.where,
+        std::string(type.name) + " declares the " + what + " \"" + name + "\" in \"" + unit + "\", which is no unit",
+        "a unit such as \"N/m\" or \"1\"", "repair the component's describe, and build the library again");
+  };
+  for (std::int32_t k = 0; k < type.parameter_count; ++k) {
+    const bramah_parameter_info& info = type.parameters[k];
+    if (info.kind != BRAMAH_TEXT && info.kind != BRAMAH_CHOICE) look("parameter", info.name, info.unit);
+  }
+  for (std::int32_t k = 0; k < type.port_count; ++k) look("port", type.ports[k].name, type.ports[k].unit);
+  for (std::int32_t k = 0; k < type.variable_count; ++k)
+    look("variable", type.variables[k].name, type.variables[k].unit);
+  for (std::int32_t k = 0; k < type.holonomic_count; ++k) look("row", type.holonomic[k].name, type.holonomic[k].unit);
+  for (std::int32_t k = 0; k < type.nonholonomic_count; ++k)
+    look("row", type.nonholonomic[k].name, type.nonholonomic[k].unit);
+  for (std::int32_t k = 0; k < type.output_count; ++k) look("output", type.outputs[k].name, type.outputs[k].unit);
+}
+
 void Compiler::find_type(Draft& draft) {
   const Value* type = draft.value->find("type");
   if (type == nullptr || type->text() == nullptr) {
@@ -37,7 +62,10 @@ void Compiler::find_type(Draft& draft) {
   const bool listed = std::find(libraries_.begin(), libraries_.end(), library) != libraries_.end();
   // A registry may know more than this scene asks for; what the scene means must not depend on that.
   if (draft.type != nullptr && !listed) draft.type = nullptr;
-  if (draft.type != nullptr) return;
+  if (draft.type != nullptr) {
+    check_type_units(draft);
+    return;
+  }
   const std::string where = pointer(draft.where, "type"), found = "unknown type \"" + name + '"';
   if (slash == std::string::npos) {
     std::vector<std::string> known = known_types("");
@@ -172,6 +200,7 @@ void Compiler::read_parameter(Draft& draft, const bramah_parameter_info& info, s
       if (const auto number = numbers_.read(*value, where, unit, drives(0))) {
         numbers = {*number};
         check_limits(info, *number, unit, where);
+        check_typical(draft, index, *number, unit, where);
       } else {
         draft.sound = false;
       }
@@ -198,6 +227,7 @@ void Compiler::read_parameter(Draft& draft, const bramah_parameter_info& info, s
     if (const auto number = numbers_.read(item, here, unit, drives(element))) {
       numbers.push_back(*number);
       check_limits(info, *number, unit, here);
+      check_typical(draft, index, *number, unit, here);
     } else {
       draft.sound = false;
     }
@@ -218,6 +248,29 @@ void Compiler::check_limits(const bramah_parameter_info& info, double number, st
   }
   faults_.add("out-of-range", where, named(where) + " is " + with_unit(number, unit), expected + ": " + info.doc,
               "correct the number, or its unit");
+}
+
+/// A number that is rarely meant, with the unit in which it would be usual. Zero is.
+void Compiler::check_typical(const Draft& draft, std::size_t index, double number, std::string_view unit,
+                             const std::string& where) {
+  const auto* typical = extension<bramah_typical>(*draft.type, BRAMAH_EXTENSION_TYPICAL);
+  if (typical == nullptr || number == 0.0) return;
+  const double lower = typical->lower[index], upper = typical->upper[index];
+  const auto usual = [&](double value) { return value >= lower && value <= upper; };
+  if (usual(number)) return;
+  std::string meant;
+  const auto own = parse_unit(unit);
+  std::istringstream words(own ? alternatives(*own) : "");
+  for (std::string word; meant.empty() && std::getline(words, word, ',');) {
+    word.erase(0, word.find_first_not_of(' '));
+    const auto other = parse_unit(word);
+    if (other && usual(other->to_si(number))) meant = number_text(number) + " " + word;
+  }
+  const bramah_parameter_info& info = draft.type->parameters[index];
+  faults_.warn("unusual", where, named(where) + " is " + with_unit(number, unit) + " (" + info.doc + ")",
+               "usually " + (std::isfinite(lower) ? with_unit(lower, unit) : std::string("anything")) + " to " +
+                   (std::isfinite(upper) ? with_unit(upper, unit) : std::string("anything")),
+               meant.empty() ? "check the number and its unit" : "did you mean \"" + meant + "\"?");
 }
 
 }  // namespace bramah::compiling

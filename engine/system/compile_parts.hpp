@@ -39,6 +39,9 @@ struct Faults {
   }
   void add(std::string code, std::string where, std::string found, std::string expected, std::string remedy,
            bool at_key = false);
+  /// What is allowed and rarely meant.
+  std::vector<Diagnostic> warnings;
+  void warn(std::string code, std::string where, std::string found, std::string expected, std::string remedy);
 };
 
 /// Numbers of a scene: plain (SI), with a unit ("80 mm"), or a reference to the section "constants" ("=B_oil").

@@ -62,6 +62,9 @@ class Compiler {
   [[nodiscard]] std::vector<std::string> known_types(std::string_view library) const;
   void read_parameters(Draft& draft);
   void read_parameter(Draft& draft, const bramah_parameter_info& info, std::size_t index);
+  void check_type_units(const Draft& draft);
+  void check_typical(const Draft& draft, std::size_t index, double number, std::string_view unit,
+                     const std::string& where);
   void check_limits(const bramah_parameter_info& info, double number, std::string_view unit, const std::string& where);
 
   void make_instances();
@@ -72,6 +75,10 @@ class Compiler {
   /// What the scene offers to a port: names as it would write them.
   [[nodiscard]] std::vector<std::string> fitting(const bramah_port_info& port) const;
   [[nodiscard]] std::string wanted(const bramah_port_info& port) const;
+  /// Connections that are possible and make no sense: both ends on one body, both sides on one volume.
+  void check_sense(const Draft& draft, const Group& group);
+  /// Fields of gravity that some bodies do not feel, or that have no part in the plane of planar bodies.
+  void check_gravity();
   void check_connected(const Draft& draft, const bramah_port_info& port);
   /// Position in State's vectors of what the port connects to; 0 after a fault.
   Index resolve(const Draft& draft, const bramah_port_info& port, const Value& value);
@@ -97,6 +104,7 @@ class Compiler {
   std::vector<std::string> libraries_;
   bool libraries_unread_ = false;  // there is something in their place, and it is reported
   std::set<std::string> broken_libraries_, forgotten_libraries_;
+  std::set<std::string> known_units_;  // types whose units have been looked at
   std::vector<Draft> drafts_;
   std::unordered_map<std::string, std::size_t> by_name_;
   Compiled compiled_;

@@ -52,6 +52,7 @@ struct SimulateOptions {
   std::vector<double> output_times;  // additional, ascending
   double rel_tol = 1e-9;             // of each variable's own motion, see simulate.cpp
   double max_step = 0.0;             // 0: no limit
+  double most_rows = 1e8;            // of output, and steps, that a run may be known to need before it begins
   enum class Integrator { automatic, ida, explicit_one_step, implicit_one_step, generalized_alpha };
   Integrator integrator = Integrator::automatic;
   double step = 0.0;          // s, of generalized_alpha, which needs one
