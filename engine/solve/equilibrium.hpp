@@ -34,9 +34,9 @@ struct Equilibrium {
   /// The point of rest that Newton's method ended at first is no minimum of the potential; this one is.
   bool passed_unstable = false;
   std::vector<FreeDirection> free_directions;
-  std::vector<RedundantSet> redundancy;  // where not empty, multipliers are not unique: those of least norm are given
+  std::vector<RedundantSet> redundancy;    // where not empty, multipliers are not unique: those of least norm are given
   std::vector<std::string> beyond_limits;  // of laws that go on there: "the pressure, P.p, is -10 Pa, below 0 Pa"
-  std::vector<Moved> moved;              // all that left their assembled start values, the farthest first
+  std::vector<Moved> moved;                // all that left their assembled start values, the farthest first
 };
 
 /// Finds the equilibrium near the start values; throws AnalysisError where there is none.

@@ -559,6 +559,22 @@ void check_times(const System& system, const SimulateOptions& options, double t)
       "begin at an earlier time, or check the \"time\" of the checkpoint", "/simulate/to_time");
 }
 
+/// Refuses work that can be told before it begins and is too much.
+void check_work(const SimulateOptions& options, double t) {
+  const double length = options.to_time - t;
+  const auto bound = [&](double step, const std::string& key, const std::string& what) {
+    if (!(step > 0.0) || !(length / step > options.most_rows)) return;
+    throw AnalysisError("simulate",
+                        "\"" + key + "\" of " + digits(step) + " s asks for " + digits(length / step) + " " + what +
+                            " in a run of " + digits(length) + " s",
+                        "at most " + digits(options.most_rows) + " " + what,
+                        "take a longer one, or allow more by \"most_rows\"", "/simulate/" + key);
+  };
+  bound(options.output_step, "output_step", "rows");
+  bound(options.max_step, "max_step", "steps");
+  bound(options.step, "step", "steps");
+}
+
 }  // namespace
 
 Simulation simulate(const System& system, const SimulateOptions& options, const State& start,
@@ -566,12 +582,14 @@ Simulation simulate(const System& system, const SimulateOptions& options, const 
   if (system.n() + system.nz() == 0)
     throw AnalysisError("simulate", "a scene without variables", "something that moves or stores", "add components");
   check_times(system, options, start.t);
+  check_work(options, start.t);
   return Run(system, options, start, start, observer).march();
 }
 
 Simulation resume(const System& system, const SimulateOptions& options, const Checkpoint& from,
                   const Observer& observer) {
   check_times(system, options, from.state.t);
+  check_work(options, from.state.t);
   SimulateOptions same = options;
   if (options.integrator == SimulateOptions::Integrator::automatic)
     same.integrator = integrator_called(from.integrator);

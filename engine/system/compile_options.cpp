@@ -137,19 +137,6 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
                "a fixed \"step\" with \"integrator\": \"generalized_alpha\", and with no other",
                fixed ? "give \"step\", for example \"1 ms\"" : "limit the steps of other integrators by \"max_step\"");
   }
-  // Work that can be told before it begins.
-  const double length = simulate.to_time - simulate.from_time;
-  const auto bound = [&](double step, const char* key, const char* what) {
-    if (!(step > 0.0) || !(length / step > simulate.most_rows)) return;
-    faults.add("out-of-range", pointer("/simulate", key),
-               std::string("\"") + key + "\" of " + with_unit(step, "s") + " asks for " + number_text(length / step) +
-                   " " + what + " in a run of " + with_unit(length, "s"),
-               "at most " + number_text(simulate.most_rows) + " " + what,
-               "take a longer one, or allow more by \"most_rows\"", root.find("simulate") == nullptr);
-  };
-  bound(simulate.output_step, "output_step", "rows");
-  bound(simulate.max_step, "max_step", "steps");
-  bound(simulate.step, "step", "steps");
   if (simulate.rho_infinity > 1.0) {
     faults.add("out-of-range", "/simulate/rho_infinity", "rho_infinity = " + with_unit(simulate.rho_infinity, "1"),
                "0 ... 1: the part of the fastest motions that a step keeps", "0.8 is a good start");

@@ -86,11 +86,19 @@ TEST_F(Hostile, ACheckpointBeyondTheResolutionOfTimesIsRefused) {
   const Ended before = bramah("simulate scene.json --resume huge.json");
   EXPECT_EQ(before.code, 1);
   EXPECT_NE(before.err.find("a to_time after the checkpoint"), std::string::npos) << before.err;
-  const Ended after = bramah(
-      "simulate scene.json --resume huge.json --set simulate.to_time=1.0001e16 --set "
-      "simulate.most_rows=1e30");
+  const Ended after = bramah("simulate scene.json --resume huge.json --set simulate.to_time=1.0001e16");
   EXPECT_EQ(after.code, 1);
   EXPECT_NE(after.err.find("2 s apart"), std::string::npos) << after.err;
+}
+
+TEST_F(Hostile, WorkThatCanBeToldIsBounded) {
+  write("scene.json", oscillator);
+  for (const char* setting : {"simulate.output_step=1e-12", "simulate.max_step=1e-15", "simulate.output_step=1e-300"}) {
+    const Ended run = bramah(std::string("simulate scene.json --set ") + setting);
+    EXPECT_EQ(run.code, 1) << setting;
+    EXPECT_NE(run.err.find("allow more by \"most_rows\""), std::string::npos) << run.err;
+  }
+  EXPECT_EQ(bramah("simulate scene.json --set simulate.output_step=0.01 --set simulate.most_rows=2").code, 1);
 }
 
 TEST_F(Hostile, OfThousandsOfFaultsAHundredArePrintedAndAllAreCounted) {

@@ -122,7 +122,8 @@ TEST(StructureTest, Friction) {
 
 TEST(StructureTest, Storage) {
   expect_patterns(Probe<hydraulics::Volume>(), {});
-  expect_patterns(Probe<hydraulics::Hose>({{"V_h", 3e-5}, {"B_h", 5e8}, {"B_oil", 1.5e9}}), {{BRAMAH_G_ZDOT, {"x"}}, {BRAMAH_G_Z, {"x"}}});
+  expect_patterns(Probe<hydraulics::Hose>({{"V_h", 3e-5}, {"B_h", 5e8}, {"B_oil", 1.5e9}}),
+                  {{BRAMAH_G_ZDOT, {"x"}}, {BRAMAH_G_Z, {"x"}}});
 }
 
 TEST(StructureTest, Cylinder) {

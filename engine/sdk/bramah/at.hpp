@@ -19,9 +19,12 @@ class Positions {
   [[nodiscard]] const T& operator()(Coordinate q) const { return x_[detail::tied<T>(q)]; }
   [[nodiscard]] const T& time() const { return time_; }
 
-  [[nodiscard]] Vec3<T> position(Frame f) const { return {x_[detail::tied<T>(f)], x_[detail::tied<T>(f) + 1], x_[detail::tied<T>(f) + 2]}; }
+  [[nodiscard]] Vec3<T> position(Frame f) const {
+    return {x_[detail::tied<T>(f)], x_[detail::tied<T>(f) + 1], x_[detail::tied<T>(f) + 2]};
+  }
   [[nodiscard]] Quaternion<T> orientation(Frame f) const {
-    return {x_[detail::tied<T>(f) + 3], x_[detail::tied<T>(f) + 4], x_[detail::tied<T>(f) + 5], x_[detail::tied<T>(f) + 6]};
+    return {x_[detail::tied<T>(f) + 3], x_[detail::tied<T>(f) + 4], x_[detail::tied<T>(f) + 5],
+            x_[detail::tied<T>(f) + 6]};
   }
   /// The point r of the body (body axes, m) in the ground frame.
   template <class S = double>
@@ -72,9 +75,12 @@ class Motion : public Positions<T> {
     const T& w = rate_of_angle(f);
     return {v_[detail::tied<T>(f)] - w * d[1], v_[detail::tied<T>(f) + 1] + w * d[0]};
   }
-  [[nodiscard]] Vec3<T> velocity(Frame f) const { return {v_[detail::tied<T>(f)], v_[detail::tied<T>(f) + 1], v_[detail::tied<T>(f) + 2]}; }
+  [[nodiscard]] Vec3<T> velocity(Frame f) const {
+    return {v_[detail::tied<T>(f)], v_[detail::tied<T>(f) + 1], v_[detail::tied<T>(f) + 2]};
+  }
   [[nodiscard]] Quaternion<T> orientation_rate(Frame f) const {
-    return {v_[detail::tied<T>(f) + 3], v_[detail::tied<T>(f) + 4], v_[detail::tied<T>(f) + 5], v_[detail::tied<T>(f) + 6]};
+    return {v_[detail::tied<T>(f) + 3], v_[detail::tied<T>(f) + 4], v_[detail::tied<T>(f) + 5],
+            v_[detail::tied<T>(f) + 6]};
   }
   /// Velocity of the point r of the body in the ground frame: rdot + d(A(e) r)/de edot.
   template <class S = double>
@@ -102,14 +108,21 @@ class At : public Motion<T> {
   using Positions<T>::operator();
   [[nodiscard]] const T& operator()(FirstOrder p) const { return z_[detail::tied<T>(p)]; }
   [[nodiscard]] const T& operator()(Input w) const { return u_[detail::tied<T>(w)]; }
-  [[nodiscard]] Vec3<T> operator()(Gravity g) const { return {u_[detail::tied<T>(g)], u_[detail::tied<T>(g) + 1], u_[detail::tied<T>(g) + 2]}; }
+  [[nodiscard]] Vec3<T> operator()(Gravity g) const {
+    return {u_[detail::tied<T>(g)], u_[detail::tied<T>(g) + 1], u_[detail::tied<T>(g) + 2]};
+  }
 
   [[nodiscard]] const T& acceleration(Coordinate q) const { return a_[detail::tied<T>(q)]; }
-  [[nodiscard]] Vec3<T> acceleration(Frame f) const { return {a_[detail::tied<T>(f)], a_[detail::tied<T>(f) + 1], a_[detail::tied<T>(f) + 2]}; }
-  [[nodiscard]] Quaternion<T> orientation_acceleration(Frame f) const {
-    return {a_[detail::tied<T>(f) + 3], a_[detail::tied<T>(f) + 4], a_[detail::tied<T>(f) + 5], a_[detail::tied<T>(f) + 6]};
+  [[nodiscard]] Vec3<T> acceleration(Frame f) const {
+    return {a_[detail::tied<T>(f)], a_[detail::tied<T>(f) + 1], a_[detail::tied<T>(f) + 2]};
   }
-  [[nodiscard]] Vec2<T> acceleration(PlanarFrame f) const { return {a_[detail::tied<T>(f)], a_[detail::tied<T>(f) + 1]}; }
+  [[nodiscard]] Quaternion<T> orientation_acceleration(Frame f) const {
+    return {a_[detail::tied<T>(f) + 3], a_[detail::tied<T>(f) + 4], a_[detail::tied<T>(f) + 5],
+            a_[detail::tied<T>(f) + 6]};
+  }
+  [[nodiscard]] Vec2<T> acceleration(PlanarFrame f) const {
+    return {a_[detail::tied<T>(f)], a_[detail::tied<T>(f) + 1]};
+  }
   [[nodiscard]] const T& acceleration_of_angle(PlanarFrame f) const { return a_[detail::tied<T>(f) + 2]; }
   [[nodiscard]] const T& rate(FirstOrder p) const { return zdot_[detail::tied<T>(p)]; }
   using Motion<T>::rate;

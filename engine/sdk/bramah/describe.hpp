@@ -29,7 +29,7 @@ struct TypeTables {
   std::vector<double> switch_nominal;
   std::vector<bramah_limit_info> limits;
   std::vector<double> typical_lower, typical_upper;  // per parameter
-  std::deque<std::vector<double>> numbers;  // stable addresses
+  std::deque<std::vector<double>> numbers;           // stable addresses
   std::deque<std::vector<const char*>> texts;
   int port_slots[3] = {}, own_slots[3] = {};  // by bramah_family
   int constants = 0, signals = 0;
@@ -316,7 +316,8 @@ class Description {
   LimitDescription valid(const char* name, Limit& quantity, const char* unit, double nominal, const char* doc) {
     quantity.slot = next_limit_++;
     if (collecting_ == nullptr) return LimitDescription(nullptr);
-    collecting_->limits.push_back({sizeof(bramah_limit_info), name, doc, unit, -HUGE_VAL, HUGE_VAL, -HUGE_VAL, HUGE_VAL, nominal});
+    collecting_->limits.push_back(
+        {sizeof(bramah_limit_info), name, doc, unit, -HUGE_VAL, HUGE_VAL, -HUGE_VAL, HUGE_VAL, nominal});
     return LimitDescription(&collecting_->limits.back());
   }
   /// Whether describe has said again what it said when the tables were made.
@@ -327,8 +328,7 @@ class Description {
     }
     return next_parameter_ == tables_.parameters.size() && same(next_holonomic_, tables_.holonomic) &&
            same(next_nonholonomic_, tables_.nonholonomic) && same(next_output_, tables_.outputs) &&
-           same(next_switch_, tables_.switches) && same(next_limit_, tables_.limits) &&
-           constants_ == tables_.constants;
+           same(next_switch_, tables_.switches) && same(next_limit_, tables_.limits) && constants_ == tables_.constants;
   }
 
  private:

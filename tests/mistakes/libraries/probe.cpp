@@ -144,13 +144,14 @@ struct Pulse {
   double next_breakpoint(double t) const {
 #endif
 #if M == 17
-    return t;
+      return t;
 #endif
 #if M == 19
-    throw std::runtime_error("no breakpoints here");
+  throw std::runtime_error("no breakpoints here");
 #endif
-    return t < 0.2 ? 0.2 : t < 0.4 ? 0.4 : HUGE_VAL;
-  }
-};
+  return t < 0.2 ? 0.2 : t < 0.4 ? 0.4 : HUGE_VAL;
+}
+}
+;
 
 BRAMAH_LIBRARY(LIBRARY, "1.0.0", Spring, Pulse)
