@@ -222,7 +222,7 @@ void Compiler::read_parameter(Draft& draft, const bramah_parameter_info& info, s
   }
   std::size_t k = 0;
   for (const Value& item : *value->list()) {
-    const Index element = static_cast<Index>(k);
+    const auto element = static_cast<Index>(k);
     const std::string here = pointer(where, k++);
     if (const auto number = numbers_.read(item, here, unit, drives(element))) {
       numbers.push_back(*number);
