@@ -99,6 +99,16 @@ void Blocks::gather(const Group& group, const State& state, Index first, Index c
   }
 }
 
+void Blocks::Inputs::give_to(bramah_batch& batch) const {
+  batch.x = x.data();
+  batch.v = v.data();
+  batch.a = a.data();
+  batch.z = z.data();
+  batch.zdot = zdot.data();
+  batch.u = u.data();
+  batch.lambda = lambda.data();
+}
+
 Outcome Blocks::evaluate(const System& system, const State& state, const Request& request) {
   return evaluate_all(system, state, nullptr, request);
 }
@@ -131,24 +141,14 @@ Outcome Blocks::evaluate_all(const System& system, const State& state, const Dir
       if (wanted[block])
         partials_[k][block].resize(static_cast<std::size_t>(group.count * group.pattern_views[block].count));
     }
-    bramah_batch batch{};
-    batch.size = sizeof batch;
-    batch.time = state.t;
-    batch.side = state.side;
-    batch.x = in_.x.data();
-    batch.v = in_.v.data();
-    batch.a = in_.a.data();
-    batch.z = in_.z.data();
-    batch.zdot = in_.zdot.data();
-    batch.u = in_.u.data();
-    batch.lambda = in_.lambda.data();
+    bramah_batch batch = batch_of(group, state, 0, group.count);
+    in_.give_to(batch);
     batch.f = request.f && type.nx > 0 ? lf_.data() : nullptr;
     batch.g = request.g && type.nz > 0 ? lg_.data() : nullptr;
     batch.c = request.c && mh > 0 ? lc_.data() : nullptr;
     batch.r = request.r && rows > 0 ? lr_.data() : nullptr;
     batch.s = request.s && rows > 0 ? ls_.data() : nullptr;
     batch.y = request.y && type.output_count > 0 ? ly_.data() : nullptr;
-    batch.patterns = group.pattern_views.data();
 
     Index count = 0;
     for (Index first = 0; first < group.count; first += count) {
@@ -214,19 +214,11 @@ void Blocks::blame(const System& system, const State& state, Outcome& outcome) {
       gather(group, state, i, 1, in_);
       std::fill_n(lf_.begin(), type.nx, 0.0);
       std::fill_n(lg_.begin(), type.nz, 0.0);
-      bramah_batch batch{};
-      batch.size = sizeof batch;
-      batch.count = 1;
-      batch.instances = group.instances.at(i);
-      batch.time = state.t;
-      batch.side = state.side;
-      batch.x = in_.x.data(), batch.v = in_.v.data(), batch.a = in_.a.data();
-      batch.z = in_.z.data(), batch.zdot = in_.zdot.data(), batch.u = in_.u.data();
-      batch.lambda = in_.lambda.data();
+      bramah_batch batch = batch_of(group, state, i, 1);
+      in_.give_to(batch);
       batch.f = type.nx > 0 ? lf_.data() : nullptr;
       batch.g = type.nz > 0 ? lg_.data() : nullptr;
       batch.s = rows > 0 ? ls_.data() : nullptr;
-      batch.patterns = group.pattern_views.data();
       const std::string& name = system.component_name(group.component[static_cast<std::size_t>(i)]);
       const AtBorder at("evaluate", name.c_str(), type);
       const auto finite = [](const Vector& list, Index count) {

@@ -74,6 +74,7 @@ class Blocks {
  private:
   struct Inputs {  // local inputs of one chunk
     Vector x, v, a, z, zdot, u, lambda;
+    void give_to(bramah_batch& batch) const;
   };
   struct Run {  // instances that are evaluated in one call
     std::size_t group;

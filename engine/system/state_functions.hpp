@@ -46,12 +46,7 @@ class StateFunctions {
         gather(state.v, group.x, i, type.nx, v_);
         gather(state.z, group.z, i, type.nz, z_);
         gather(state.z, group.u, i, type.nu, u_);
-        bramah_batch batch{};
-        batch.size = sizeof batch;
-        batch.count = 1;
-        batch.instances = group.instances.at(i);
-        batch.time = state.t;
-        batch.side = state.side;
+        bramah_batch batch = batch_of(group, state, i, 1);
         batch.x = x_.data();
         batch.v = v_.data();
         batch.z = z_.data();

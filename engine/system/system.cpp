@@ -155,6 +155,17 @@ void apply_inputs(const System& system, State& state) {
   for (const auto& [input, value] : state.held) state.z[system.z.size() + static_cast<std::size_t>(input)] = value;
 }
 
+bramah_batch batch_of(const Group& group, const State& state, Index first, Index count) {
+  bramah_batch batch{};
+  batch.size = sizeof batch;
+  batch.count = count;
+  batch.instances = group.instances.at(first);
+  batch.time = state.t;
+  batch.side = state.side;
+  batch.patterns = group.pattern_views.data();
+  return batch;
+}
+
 double next_breakpoint(const System& system, double t) {
   double next = HUGE_VAL;
   for (const InputSignal& input : system.inputs) {

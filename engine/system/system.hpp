@@ -203,6 +203,9 @@ std::vector<bramah_value> parameter_values(const std::vector<std::vector<double>
 /// `unit` of a parameter or terminal of a type, or the text of the parameter that it names by "@".
 std::string parameter_unit(const bramah_type& type, const char* unit, const std::vector<std::string>& texts);
 
+/// `count` instances of the group from `first` on at time and side of `state`; values and results are to be filled in.
+bramah_batch batch_of(const Group& group, const State& state, Index first, Index count);
+
 /// The state of the start values at time t, with inputs taken from their signals.
 State initial_state(const System& system, double t = 0.0);
 /// Sets the inputs of `state` from the signals at state.t on side state.side, those of `held` to their values.
