@@ -32,15 +32,15 @@ void refuse_too_large(const System& system, const Partition& partition) {
 }
 
 /// One line each.
-void tell_warnings(const Source& source, const std::vector<Diagnostic>& warnings) {
+void tell_warnings(const Failure& warnings) {
   constexpr std::size_t most = 20;
-  const std::vector<Place> places = locate_all(source, warnings);
-  for (std::size_t k = 0; k < std::min(most, warnings.size()); ++k) {
-    const Diagnostic& one = warnings[k];
-    say(source.name + ":" + std::to_string(places[k].line) + ":" + std::to_string(places[k].column) +
-        ": warning: " + one.pointer + ": " + one.found + "; expected " + one.expected + "; " + one.remedy + '\n');
+  const std::vector<Failure::Entry>& entries = warnings.entries();
+  for (std::size_t k = 0; k < std::min(most, entries.size()); ++k) {
+    const Failure::Entry& one = entries[k];
+    const std::string place = one.line == 0 ? "" : ":" + std::to_string(one.line) + ":" + std::to_string(one.column);
+    say(one.file + place + ": " + one_line(one.diagnostic) + '\n');
   }
-  if (warnings.size() > most) say("... " + std::to_string(warnings.size()) + " warnings in all\n");
+  if (entries.size() > most) say("... " + std::to_string(entries.size()) + " warnings in all\n");
 }
 
 }  // namespace
@@ -64,7 +64,8 @@ Context load(const Arguments& arguments) {
       scene.root.set("outputs", Value::List(arguments.outputs.begin(), arguments.outputs.end()));
     Compiled compiled = compile(scene, std::make_shared<Registry>(), std::move(of_shape));
     if (arguments.strict && !compiled.warnings.empty()) throw SceneError(compiled.warnings);
-    if (!arguments.quiet) tell_warnings(source, compiled.warnings);
+    if (!arguments.quiet && !compiled.warnings.empty())
+      tell_warnings(Failure::scene(source, SceneError(compiled.warnings), arguments.settings));
     return {arguments, std::move(scene), std::move(compiled)};
   } catch (const SceneError& error) {
     throw Failure::scene(source, error, arguments.settings);

@@ -43,6 +43,7 @@ class Failure : public std::exception {
   [[nodiscard]] const char* what() const noexcept override { return text_.c_str(); }
   /// Blocks as of `render`.
   [[nodiscard]] const std::string& text() const { return text_; }
+  [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
   /// {"error": {...}}
   [[nodiscard]] std::string document() const;
 

@@ -42,13 +42,10 @@ std::string document(const Context& context, const Transient& transient, const s
 std::uintmax_t bytes_of_rows(const std::filesystem::path& there, const std::string& header, long rows) {
   std::ifstream in(there, std::ios::binary);
   std::string line;
-  if (!std::getline(in, line) || line + '\n' != header)
-    throw WriteError(there, "has other columns than this run", "choose another folder with --out");
+  if (!std::getline(in, line) || line + '\n' != header) throw WriteError::other_columns(there);
   std::uintmax_t bytes = header.size();
   for (long row = 0; row < rows; ++row) {
-    if (!std::getline(in, line) || in.eof())
-      throw WriteError(there, "has fewer rows than the " + std::to_string(rows) + " that the checkpoint goes on from",
-                       "choose another folder with --out");
+    if (!std::getline(in, line) || in.eof()) throw WriteError::fewer_rows(there, static_cast<std::size_t>(rows));
     bytes += line.size() + 1;
   }
   return bytes;
@@ -60,26 +57,26 @@ class Series {
   /// `from`: the checkpoint of --resume; where it lies in the folder of --out, the series that is there goes on.
   Series(const Arguments& arguments, const std::vector<Measured>& outputs, const Checkpoint* from)
       : to_stdout_(arguments.out.empty() && !arguments.json) {
+    bool goes_on = false;
+    const std::string header = csv_header(outputs);
     if (!arguments.out.empty()) {
       const std::filesystem::path folder(arguments.out);
       make_folder(folder);
       file_ = folder / (arguments.binary ? "time_series.npy" : "time_series.csv");
       std::error_code ignored;
-      goes_on_ =
-          from != nullptr && !OutputFile::there_is(file_).empty() &&
-          std::filesystem::equivalent(std::filesystem::absolute(arguments.resume).parent_path(), folder, ignored);
+      goes_on = from != nullptr && !OutputFile::there_is(file_).empty() &&
+                std::filesystem::equivalent(std::filesystem::absolute(arguments.resume).parent_path(), folder, ignored);
       if (arguments.binary) {
         std::vector<std::string> columns = {"time"};
         for (const Measured& output : outputs) columns.push_back(output.name);
-        if (goes_on_) {
+        if (goes_on) {
           npy_.emplace(file_, columns, static_cast<std::size_t>(from->outputs));
         } else {
           npy_.emplace(file_, columns);
         }
         npy_->keep_on_failure();
       } else {
-        const std::string header = csv_header(outputs);
-        if (goes_on_) {
+        if (goes_on) {
           csv_.emplace(file_, bytes_of_rows(OutputFile::there_is(file_), header, from->outputs));
         } else {
           csv_.emplace(file_);
@@ -87,7 +84,7 @@ class Series {
         csv_->keep_on_failure();
       }
     }
-    if (!npy_ && !goes_on_) write(csv_header(outputs));
+    if (!npy_ && !goes_on) write(header);
   }
   void row(double time, const Vector& values) {
     if (npy_) {
@@ -115,14 +112,13 @@ class Series {
   /// Empty where there is none.
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
   [[nodiscard]] bool scrolls() const { return to_stdout_ && isatty(STDOUT_FILENO) == 1; }
-  [[nodiscard]] bool goes_on() const { return goes_on_; }
 
  private:
   void write(const std::string& line) {
     if (csv_) csv_->write(line);
     if (to_stdout_) print(line);
   }
-  bool to_stdout_, goes_on_ = false;
+  bool to_stdout_;
   std::filesystem::path file_;
   std::optional<OutputFile> csv_;
   std::optional<NpyFile> npy_;
@@ -232,7 +228,8 @@ with output every output_step (every step of the integrator where there is none)
 rows with the same time: before and after. Columns are the scene's "outputs", all variables where it lists none; SI.
 Without --out the CSV goes to standard output. A summary goes to standard error. Ctrl-C keeps the results so far.
 With --out a checkpoint is kept in DIR/checkpoint.json: every few seconds, at the end, and where the run is interrupted,
-killed or fails. --resume DIR/checkpoint.json goes on from it; with the same --out the series that is there goes on, too. The integrator "generalized_alpha" then goes on with the same bits, the others start anew.
+killed or fails. --resume DIR/checkpoint.json goes on from it; with the same --out the series that is there goes on, too.
+The integrator "generalized_alpha" then goes on with the same bits, the others start anew.
 
 Examples
   bramah simulate scenes/four_bar/overdamped.json --out results

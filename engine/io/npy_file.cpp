@@ -64,13 +64,10 @@ std::uintmax_t NpyFile::bytes_of(const std::filesystem::path& file, const std::v
   std::string begin(header.size(), ' ');
   in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
   begin.replace(count, count_width, header, count, count_width);
-  if (!in || begin != header)
-    throw WriteError(there, "has other columns than this run", "choose another folder with --out");
+  if (!in || begin != header) throw WriteError::other_columns(there);
   const std::uintmax_t bytes = header.size() + std::uintmax_t{rows} * columns.size() * sizeof(double);
   std::error_code ignored;
-  if (std::filesystem::file_size(there, ignored) < bytes)
-    throw WriteError(there, "has fewer rows than the " + std::to_string(rows) + " that the checkpoint goes on from",
-                     "choose another folder with --out");
+  if (std::filesystem::file_size(there, ignored) < bytes) throw WriteError::fewer_rows(there, rows);
   return bytes;
 }
 

@@ -22,6 +22,15 @@ class WriteError : public std::runtime_error {
   [[nodiscard]] const std::string& found() const { return found_; }
   [[nodiscard]] const std::string& remedy() const { return remedy_; }
 
+  /// A series that is there and that no run can go on with.
+  static WriteError other_columns(const std::filesystem::path& file) {
+    return {file, "has other columns than this run", "choose another folder with --out"};
+  }
+  static WriteError fewer_rows(const std::filesystem::path& file, std::size_t rows) {
+    return {file, "has fewer rows than the " + std::to_string(rows) + " that the checkpoint goes on from",
+            "choose another folder with --out"};
+  }
+
  private:
   std::filesystem::path file_;
   std::string found_, remedy_;

@@ -319,21 +319,21 @@ void Registry::load(std::string_view name) {
     if (fs::exists(folder / (word + ".so"), ignored)) found.push_back(folder / (word + ".so"));
     looked += (looked.empty() ? "" : ", ") + folder.string();
   }
-  for (const fs::path& folder : search_path_) {
-    std::error_code ignored;
-    const fs::path file = folder / (word + ".so");
-    if (found.empty() && fs::is_symlink(file, ignored)) {
-      throw PluginError(
-          "library-missing",
-          file.string() + " is a link to " + fs::read_symlink(file, ignored).string() + ", which does not exist",
-          "a library file", "mend the link, or build the library");
-    }
-    if (found.empty() && fs::is_regular_file(folder, ignored)) {
-      throw PluginError("library-missing", folder.string() + " in BRAMAH_PLUGIN_PATH is a file",
-                        "a folder of libraries", "name its folder, " + folder.parent_path().string());
-    }
-  }
   if (found.empty()) {
+    for (const fs::path& folder : search_path_) {
+      std::error_code ignored;
+      const fs::path file = folder / (word + ".so");
+      if (fs::is_symlink(file, ignored)) {
+        throw PluginError(
+            "library-missing",
+            file.string() + " is a link to " + fs::read_symlink(file, ignored).string() + ", which does not exist",
+            "a library file", "mend the link, or build the library");
+      }
+      if (fs::is_regular_file(folder, ignored)) {
+        throw PluginError("library-missing", folder.string() + " in BRAMAH_PLUGIN_PATH is a file",
+                          "a folder of libraries", "name its folder, " + folder.parent_path().string());
+      }
+    }
     std::string offered, meant;
     for (const std::string& other : available()) {
       offered += (offered.empty() ? "" : ", ") + other;

@@ -75,8 +75,6 @@ std::string place_of(const System& system, const Outcome& outcome) {
   return outcome.component < 0 ? "" : pointer("/components", system.component_name(outcome.component));
 }
 
-std::string with_unit(double value, const std::string& unit) { return digits(value) + (unit == "1" ? "" : " " + unit); }
-
 std::string names_of(const System& system, std::span<const Index> coordinates) {
   std::string names;
   for (const Index i : coordinates) names += (names.empty() ? "" : ", ") + system.x[static_cast<std::size_t>(i)].name;

@@ -51,7 +51,7 @@ StartNote note_on(const System& system, const NearAssembly& other, bool held) {
   for (const auto& [i, way] : other.coordinates) {
     const Variable& x = system.x[static_cast<std::size_t>(i)];
     note.names.push_back(x.name);
-    ways.push_back(x.name + " " + (way < 0.0 ? "" : "+") + digits(way) + (x.unit == "1" ? "" : " " + x.unit));
+    ways.push_back(x.name + " " + (way < 0.0 ? "" : "+") + with_unit(way, x.unit));
   }
   for (const Index i : other.kept) same.push_back(system.x[static_cast<std::size_t>(i)].name);
   note.found = "two assemblies are near: " + list_of(joints) + " also " + (joints.size() == 1 ? "closes" : "close") +
@@ -94,7 +94,7 @@ std::optional<StartNote> note_on_rounding(const System& system, const State& sta
   note.names.push_back(open.name);
   note.found = (set == sets.end() ? system.component_name(open.component) : set->joints) +
                " repeat each other and disagree by a rounding: when the others close, " + open.name +
-               " stays open by " + digits(std::abs(*largest)) + (open.unit == "1" ? "" : " " + open.unit);
+               " stays open by " + with_unit(std::abs(*largest), open.unit);
   note.remedy =
       "give the points and axes with more digits, or choose by \"assembly\": {\"tolerance\": ...} what may "
       "stay open, now " +

@@ -20,21 +20,13 @@ std::string with_unit(double value, std::string_view unit) {
 
 void Faults::add(std::string code, std::string where, std::string found, std::string expected, std::string remedy,
                  bool at_key) {
-  Diagnostic d;
-  d.code = std::move(code);
-  d.pointer = std::move(where);
-  d.found = std::move(found);
-  d.expected = std::move(expected);
-  d.remedy = std::move(remedy);
-  d.at_key = at_key;
-  list.push_back(std::move(d));
+  list.push_back({std::move(code), std::move(where), std::move(found), std::move(expected), std::move(remedy),
+                  Diagnostic::Severity::error, at_key});
 }
 
 void Faults::warn(std::string code, std::string where, std::string found, std::string expected, std::string remedy) {
-  add(std::move(code), std::move(where), std::move(found), std::move(expected), std::move(remedy));
-  warnings.push_back(std::move(list.back()));
-  warnings.back().severity = Diagnostic::Severity::warning;
-  list.pop_back();
+  warnings.push_back({std::move(code), std::move(where), std::move(found), std::move(expected), std::move(remedy),
+                      Diagnostic::Severity::warning});
 }
 
 namespace {

@@ -30,6 +30,15 @@ std::string spoken(std::string kind) {
   return kind == "input" ? "signal" : kind;
 }
 
+/// The place of the first slot of a port in the arguments of its family.
+std::size_t first_slot(const bramah_type& type, const bramah_port_info& port) {
+  std::size_t slot = 0;
+  for (const bramah_port_info* before = type.ports; before != &port; ++before) {
+    if (before->family == port.family) slot += static_cast<std::size_t>(before->slots);
+  }
+  return slot;
+}
+
 std::string listed(const std::vector<std::string>& items) {
   std::string text;
   for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
@@ -98,13 +107,10 @@ void Compiler::connect() {
 void Compiler::check_sense(const Draft& draft, const Group& group) {
   const bramah_type& type = *draft.type;
   const auto position = static_cast<std::size_t>(draft.position);
-  const auto first_of = [&](std::int32_t port) {
-    std::size_t slot = 0;
-    for (std::int32_t k = 0; k < port; ++k) {
-      if (type.ports[k].family == type.ports[port].family) slot += static_cast<std::size_t>(type.ports[k].slots);
-    }
-    const auto& map = type.ports[port].family == BRAMAH_X ? group.x : group.z;
-    return map[position * static_cast<std::size_t>(type.ports[port].family == BRAMAH_X ? type.nx : type.nz) + slot];
+  const auto variable_of = [&](const bramah_port_info& port) {
+    const bool is_x = port.family == BRAMAH_X;
+    return (is_x ? group.x
+                 : group.z)[position * static_cast<std::size_t>(is_x ? type.nx : type.nz) + first_slot(type, port)];
   };
   // What is connected to a component of unknown type has no place.
   const auto is_known = [&](const bramah_port_info& port) {
@@ -116,7 +122,7 @@ void Compiler::check_sense(const Draft& draft, const Group& group) {
       const bramah_port_info &a = type.ports[j], &b = type.ports[i];
       const bool alike = std::string_view(a.kind) == b.kind && a.family != BRAMAH_U;
       if (!alike || draft.value->find(a.name) == nullptr || draft.value->find(b.name) == nullptr) continue;
-      if (first_of(i) != first_of(j) || !is_known(a) || !is_known(b)) continue;
+      if (variable_of(a) != variable_of(b) || !is_known(a) || !is_known(b)) continue;
       const std::string both = std::string("\"") + a.name + "\" and \"" + b.name + "\" are the same ";
       const std::string where = pointer(draft.where, b.name);
       if (std::string_view(b.kind).ends_with("frame")) {
@@ -136,23 +142,20 @@ void Compiler::check_gravity() {
     if (draft.type == nullptr || !draft.sound) continue;
     const bramah_type& type = *draft.type;
     const Group& group = s.groups[static_cast<std::size_t>(draft.group)];
-    std::size_t slot = 0;
     bool planar = false;
     for (std::int32_t k = 0; k < type.terminal_count; ++k)
       planar |= type.terminals[k].source == BRAMAH_OWN && std::string_view(type.terminals[k].kind) == "planar_frame";
     for (std::int32_t k = 0; k < type.port_count; ++k) {
       const bramah_port_info& port = type.ports[k];
-      if (port.family != BRAMAH_U) continue;
-      const std::size_t first = slot;
-      slot += static_cast<std::size_t>(port.slots);
-      if (std::string_view(port.kind) != "gravity") continue;
+      if (port.family != BRAMAH_U || std::string_view(port.kind) != "gravity") continue;
       if (draft.value->find(port.name) == nullptr) {
         without.push_back(&draft);
         continue;
       }
       ++with;
       const auto place =
-          static_cast<Index>(group.u[static_cast<std::size_t>(draft.position * type.nu) + first]) - s.nz() - s.nu();
+          static_cast<Index>(group.u[static_cast<std::size_t>(draft.position * type.nu) + first_slot(type, port)]) -
+          s.nz() - s.nu();
       if (!planar || place < 0 || place + 3 > static_cast<Index>(s.z_constants.size())) continue;
       const double* g = &s.z_constants[static_cast<std::size_t>(place)];
       if (g[0] == 0.0 && g[1] == 0.0 && g[2] != 0.0)

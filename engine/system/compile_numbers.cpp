@@ -22,6 +22,8 @@ bool is_infinite_or_nan(std::string_view text) {
   return word == "inf" || word == "nan";
 }
 
+}  // namespace
+
 std::vector<std::string> split(const std::string& list) {
   std::vector<std::string> words;
   for (std::size_t begin = 0; begin < list.size();) {
@@ -31,8 +33,6 @@ std::vector<std::string> split(const std::string& list) {
   }
   return words;
 }
-
-}  // namespace
 
 void Numbers::read_constants(const Value* section) {
   if (section == nullptr || section->object() == nullptr) return;

@@ -200,8 +200,7 @@ void read_options(const Value& root, const System& system, Numbers& numbers, Fau
     if (const Value* second = sweep->find("second"); second != nullptr && second->object() != nullptr) {
       reader.swept(root, *second, "/sweep/second", options.sweep.over);
       constexpr double most_points = 1e6;
-      double points = 1.0;
-      for (const SweptParameter& one : options.sweep.over) points *= static_cast<double>(one.values.size());
+      const double points = grid_size(options.sweep.over);
       if (points > most_points)
         faults.add("out-of-range", "/sweep", "the sweep asks for " + number_text(points) + " points",
                    "at most " + number_text(most_points), "take fewer values", true);

@@ -1,7 +1,6 @@
 // What a component says of itself: its type, its keys, its parameters and their limits.
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "system/compiler.hpp"
 
@@ -260,11 +259,9 @@ void Compiler::check_typical(const Draft& draft, std::size_t index, double numbe
   if (usual(number)) return;
   std::string meant;
   const auto own = parse_unit(unit);
-  std::istringstream words(own ? alternatives(*own) : "");
-  for (std::string word; meant.empty() && std::getline(words, word, ',');) {
-    word.erase(0, word.find_first_not_of(' '));
+  for (const std::string& word : split(own ? alternatives(*own) : "")) {
     const auto other = parse_unit(word);
-    if (other && usual(other->to_si(number))) meant = number_text(number) + " " + word;
+    if (meant.empty() && other && usual(other->to_si(number))) meant = number_text(number) + " " + word;
   }
   const bramah_parameter_info& info = draft.type->parameters[index];
   faults_.warn("unusual", where, named(where) + " is " + with_unit(number, unit) + " (" + info.doc + ")",

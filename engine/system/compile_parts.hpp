@@ -25,6 +25,11 @@ inline std::string rate_unit(const std::string& unit) {
   return unit == "1" ? "1/s" : unit.find('/') != std::string::npos ? "(" + unit + ")/s" : unit + "/s";
 }
 
+/// The words of "a, b, c".
+std::vector<std::string> split(const std::string& list);
+/// How many points a grid over all of them has, times `count`.
+double grid_size(const std::vector<SweptParameter>& over, std::size_t count = 1);
+
 /// The last key of a JSON pointer, for messages: `"mass"`, or `an element of "position"`.
 std::string named(const std::string& where);
 /// Those of `names` that belong to the component that `word` begins with; all of them where there are none.

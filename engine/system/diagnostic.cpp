@@ -5,8 +5,6 @@
 
 namespace bramah {
 
-namespace {
-
 std::string one_line(const Diagnostic& diagnostic) {
   std::string line = diagnostic.severity == Diagnostic::Severity::warning ? "warning: " : "";
   if (!diagnostic.pointer.empty()) line += diagnostic.pointer + ": ";
@@ -15,6 +13,8 @@ std::string one_line(const Diagnostic& diagnostic) {
   if (!diagnostic.remedy.empty()) line += "; " + diagnostic.remedy;
   return line;
 }
+
+namespace {
 
 std::string joined(const std::vector<Diagnostic>& diagnostics) {
   std::string text;

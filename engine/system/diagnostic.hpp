@@ -21,6 +21,9 @@ struct Diagnostic {
   long long byte = -1;  // set instead of `pointer` where the text could not be parsed (0-based)
 };
 
+/// "warning: /components/V2/volume: FOUND; expected EXPECTED; REMEDY", without a file position.
+std::string one_line(const Diagnostic& diagnostic);
+
 /// Every fault of a scene at once. `what()` joins the diagnostics without file positions.
 class SceneError : public std::exception {
  public:

@@ -4,11 +4,6 @@
 #include "system/scene.hpp"
 
 namespace bramah {
-namespace {
-
-constexpr double rounding = 1e-12;  // of the nominal: what counts as on the bound
-
-}  // namespace
 
 Limits::Limits(const System& system) : system_(system), functions_(system, BRAMAH_EXTENSION_VALIDITY) {
   std::size_t of = 0;
@@ -37,29 +32,32 @@ const Vector& Limits::evaluate(const State& state) {
   return inside_;
 }
 
+bool Limits::is_outside(std::size_t k) const {
+  constexpr double rounding = 1e-12;  // of the nominal: what counts as on the bound
+  return inside_[k] < -rounding * info_[k].nominal;
+}
+
 std::string Limits::text(std::size_t k, double inside) const {
   const Info& limit = info_[k];
-  const std::string unit = limit.unit == "1" ? "" : " " + limit.unit;
   const double value = limit.bound + (limit.lower ? inside : -inside);
   const std::string who = "the " + limit.doc + ", " + system_.component_name(limit.component) + "." + limit.name + ", ";
-  if (std::abs(inside) < 1e-6 * limit.nominal) return who + "reaches " + digits(limit.bound, 6) + unit;
-  return who + "is " + digits(value, 6) + unit + ", " + (limit.lower ? "below " : "above ") + digits(limit.bound, 6) +
-         unit;
+  if (std::abs(inside) < 1e-6 * limit.nominal) return who + "reaches " + with_unit(limit.bound, limit.unit, 6);
+  return who + "is " + with_unit(value, limit.unit, 6) + ", " + (limit.lower ? "below " : "above ") +
+         with_unit(limit.bound, limit.unit, 6);
 }
 
 AnalysisError Limits::error(const std::string& analysis, const State& state, std::size_t k) {
   const Vector& inside = evaluate(state);
   const Info& limit = info_[k];
   const std::string& name = system_.component_name(limit.component);
-  const std::string unit = limit.unit == "1" ? "" : " " + limit.unit;
   std::vector<std::string> others;
   for (std::size_t j = 0; j < info_.size(); ++j) {
-    if (j != k && info_[j].ends && inside[j] < -rounding * info_[j].nominal) others.push_back(text(j, inside[j]));
+    if (j != k && info_[j].ends && is_outside(j)) others.push_back(text(j, inside[j]));
   }
   return {analysis,
           "at t = " + digits(state.t, 9) + " s " + text(k, inside[k]) + ": the law of " + name + " ends there" +
               (others.empty() ? "" : "; so does that of others: " + list_of(others)),
-          std::string(limit.lower ? "at least " : "at most ") + digits(limit.bound, 6) + unit,
+          std::string(limit.lower ? "at least " : "at most ") + with_unit(limit.bound, limit.unit, 6),
           "check the parameters of " + name + " and the start values, or add what keeps the machine from going there",
           pointer("/components", name)};
 }
@@ -68,15 +66,15 @@ std::vector<std::pair<std::size_t, std::string>> Limits::passed(const State& sta
   std::vector<std::pair<std::size_t, std::string>> list;
   const Vector& inside = evaluate(state);
   for (std::size_t k = 0; k < info_.size(); ++k) {
-    if (!info_[k].ends && inside[k] < -rounding * info_[k].nominal) list.emplace_back(k, text(k, inside[k]));
+    if (!info_[k].ends && is_outside(k)) list.emplace_back(k, text(k, inside[k]));
   }
   return list;
 }
 
 void Limits::require(const std::string& analysis, const State& state) {
-  const Vector& inside = evaluate(state);
+  evaluate(state);
   for (std::size_t k = 0; k < info_.size(); ++k) {
-    if (info_[k].ends && inside[k] < -rounding * info_[k].nominal) throw error(analysis, state, k);
+    if (info_[k].ends && is_outside(k)) throw error(analysis, state, k);
   }
 }
 

@@ -38,6 +38,8 @@ class Limits {
   void require(const std::string& analysis, const State& state);
 
  private:
+  /// Of the state that was evaluated last.
+  [[nodiscard]] bool is_outside(std::size_t k) const;
   const System& system_;
   StateFunctions<bramah_validity> functions_;
   std::vector<Info> info_;

@@ -15,6 +15,11 @@ inline std::string digits(double value, int count = 3) {
   return text;
 }
 
+/// "0.12 m", "0.12" without a unit.
+inline std::string with_unit(double value, const std::string& unit, int count = 3) {
+  return digits(value, count) + (unit == "1" ? "" : " " + unit);
+}
+
 /// "a, b, c", with what exceeds five of them counted.
 inline std::string list_of(const std::vector<std::string>& parts) {
   constexpr std::size_t most = 5;

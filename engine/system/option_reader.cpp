@@ -266,6 +266,12 @@ void OptionReader::swept(const Value& root, const Value& section, const std::str
   over.push_back(std::move(swept));
 }
 
+double grid_size(const std::vector<SweptParameter>& over, std::size_t count) {
+  auto size = static_cast<double>(count);
+  for (const SweptParameter& one : over) size *= static_cast<double>(one.values.size());
+  return size;
+}
+
 /// {NAME: VALUE, ...}: the numbers that a grid goes through, or that are drawn.
 void OptionReader::parameters(const Value& root, const Value& list, const std::string& place,
                               const TakeParameter& take) {
@@ -419,8 +425,7 @@ void OptionReader::check_vary(const Value& section, const VaryOptions& vary) {
     faults_.add("repeated", pointer("/vary/random", one.name), "\"" + one.name + "\" in \"over\" and in \"random\"",
                 "each number in one of them", "remove it from the other", true);
   }
-  auto runs = static_cast<double>(vary.count);
-  for (const SweptParameter& one : vary.over) runs *= static_cast<double>(one.values.size());
+  const double runs = grid_size(vary.over, vary.count);
   if (runs > most_runs) {
     faults_.add("out-of-range", "/vary", "\"vary\" asks for " + number_text(runs) + " runs",
                 "at most " + number_text(most_runs), "take fewer values or draws", true);
