@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <atomic>
 #include <csignal>
+#include <string_view>
+#include <utility>
 
 #include "app/context.hpp"
+#include "app/failure.hpp"
 #include "io/tables.hpp"
 
 namespace bramah {
@@ -20,7 +23,18 @@ static_assert(std::atomic<bool>::is_always_lock_free);
 
 constexpr int interrupts[] = {SIGINT, SIGTERM, SIGHUP};
 
-void note_interrupt(int) { interrupt_seen = true; }
+/// Read by handlers: set before these are, cleared after.
+std::string_view words_at_the_end;
+
+void note_interrupt(int) {
+  interrupt_seen = true;
+  if (!words_at_the_end.empty()) alarm(1);
+}
+
+void end_now(int) {
+  if (write(STDERR_FILENO, words_at_the_end.data(), words_at_the_end.size()) < 0) _exit(exit_interrupted);
+  _exit(exit_interrupted);
+}
 
 }  // namespace
 
@@ -49,8 +63,10 @@ void Progress::clear() {
   shown_ = false;
 }
 
-InterruptGuard::InterruptGuard() {
+InterruptGuard::InterruptGuard(std::string last_words) : last_words_(std::move(last_words)) {
   interrupt_seen = false;
+  words_at_the_end = last_words_;
+  if (!last_words_.empty()) std::signal(SIGALRM, end_now);
   struct sigaction action = {};
   action.sa_handler = note_interrupt;
   action.sa_flags = static_cast<int>(SA_RESETHAND);
@@ -59,6 +75,9 @@ InterruptGuard::InterruptGuard() {
 
 InterruptGuard::~InterruptGuard() {
   for (const int signal : interrupts) std::signal(signal, SIG_DFL);
+  alarm(0);
+  if (!last_words_.empty()) std::signal(SIGALRM, SIG_DFL);
+  words_at_the_end = {};
 }
 
 bool InterruptGuard::interrupted() { return interrupt_seen; }

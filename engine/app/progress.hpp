@@ -27,14 +27,20 @@ class Progress {
   Clock::time_point begin_, last_;
 };
 
-/// While it lives, the first Ctrl-C is noted and the second one ends the program.
+/// While it lives, the first Ctrl-C, SIGTERM or SIGHUP is noted and the second one ends the program.
 class InterruptGuard {
  public:
-  InterruptGuard();
+  InterruptGuard() : InterruptGuard("") {}
+  /// With `last_words` the program says them and ends a second after the signal, whatever it is computing: for work whose
+  /// results so far are in a file. No words: it waits for the work.
+  explicit InterruptGuard(std::string last_words);
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
   ~InterruptGuard();
   [[nodiscard]] static bool interrupted();
+
+ private:
+  std::string last_words_;
 };
 
 }  // namespace bramah

@@ -13,6 +13,7 @@
 #include "app/progress.hpp"
 #include "app/results.hpp"
 #include "app/varied_scene.hpp"
+#include "io/parse_json.hpp"
 #include "solve/family.hpp"
 #include "system/message.hpp"
 
@@ -26,9 +27,10 @@ constexpr double on_axis = 50.0;  // real parts below so many times their roundi
 /// The scene at any values of the swept parameters.
 class SweptScene {
  public:
-  SweptScene(const Context& context, Sweep& sweep)
+  SweptScene(const Context& context, Sweep& sweep, Journal& journal)
       : context_(context),
         sweep_(sweep),
+        journal_(journal),
         varied_(context, names_of(sweep)),
         threads_(context.arguments.threads),
         progress_("sweep", !context.arguments.quiet) {
@@ -55,10 +57,11 @@ class SweptScene {
     std::vector<std::optional<ModeSet>> sets(list.size());
     std::vector<std::string> messages(list.size());
     for_each_index(list.size(), threads_, [&](std::size_t k) {
-      if (InterruptGuard::interrupted()) {
+      if (InterruptGuard::interrupted() || journal_.is_broken()) {
         messages[k] = "interrupted";
-      } else {
+      } else if (!recall(list[k], sets[k], messages[k])) {
         messages[k] = reason_against([&] { sets[k] = look(list[k]).modes; });
+        note(list[k], sets[k], messages[k]);
       }
       const std::scoped_lock lock(mutex_);
       ++done_;
@@ -71,6 +74,7 @@ class SweptScene {
       if (std::none_of(sweep_.failures.begin(), sweep_.failures.end(), same))
         sweep_.failures.push_back({list[k], messages[k]});
     }
+    journal_.check();
     sweep_.interrupted = InterruptGuard::interrupted();
     return sets;
   }
@@ -160,8 +164,75 @@ class SweptScene {
     return linear;
   }
 
+  void note(const std::vector<double>& at, const std::optional<ModeSet>& set, const std::string& message) {
+    if (!set) {
+      if (!InterruptGuard::interrupted()) journal_.add(at, [&](JsonWriter& json) { json.member("message", message); });
+      return;
+    }
+    bool again = false;
+    {
+      const std::scoped_lock lock(mutex_);
+      again = std::find(chosen_again_.begin(), chosen_again_.end(), at) != chosen_again_.end();
+    }
+    journal_.add(at, [&](JsonWriter& json) {
+      json.member("zeros", set->zeros).member("chosen_again", again).member("rows", set->right.rows());
+      json.key("values").values(numbers_of(set->values)).key("error").values(set->error);
+      json.key("right").values(numbers_of(set->right.reshaped())).key("left").values(numbers_of(set->left.reshaped()));
+    });
+  }
+  /// As the journal has it; false where it has nothing.
+  bool recall(const std::vector<double>& at, std::optional<ModeSet>& set, std::string& message) {
+    const Value* entry = journal_.find(at);
+    if (entry == nullptr) return false;
+    if (const Value* text = entry->find("message"); text != nullptr && text->text() != nullptr) {
+      message = *text->text();
+      return true;
+    }
+    const auto numbers = [&](const char* key, std::vector<double>& list) {
+      const Value* found = entry->find(key);
+      return found != nullptr && read_numbers(*found, list);
+    };
+    const auto number = [&](const char* key) {
+      const Value* found = entry->find(key);
+      return found != nullptr && found->number() != nullptr ? static_cast<Eigen::Index>(*found->number()) : -1;
+    };
+    const Value* again = entry->find("chosen_again");
+    const Eigen::Index rows = number("rows");
+    std::vector<double> values, right, left;
+    ModeSet found;
+    found.zeros = number("zeros");
+    if (!numbers("values", values) || !numbers("error", found.error) || !numbers("right", right) ||
+        !numbers("left", left) || again == nullptr || again->boolean() == nullptr || rows < 0 || found.zeros < 0)
+      return false;
+    const auto modes = static_cast<Eigen::Index>(values.size() / 2);
+    const std::size_t size = 2 * static_cast<std::size_t>(rows * modes);
+    if (values.size() % 2 != 0 || right.size() != size || left.size() != size) return false;
+    const auto complex = [](const std::vector<double>& list) { return reinterpret_cast<const Complex*>(list.data()); };
+    found.values.assign(complex(values), complex(values) + modes);
+    found.right = Eigen::Map<const Eigen::MatrixXcd>(complex(right), rows, modes);
+    found.left = Eigen::Map<const Eigen::MatrixXcd>(complex(left), rows, modes);
+    set = std::move(found);
+    if (*again->boolean()) {
+      const std::scoped_lock lock(mutex_);
+      chosen_again_.push_back(at);
+    }
+    return true;
+  }
+  /// Real and imaginary parts in turn.
+  template <class List>
+  static std::vector<double> numbers_of(const List& list) {
+    std::vector<double> numbers;
+    numbers.reserve(2 * static_cast<std::size_t>(list.size()));
+    for (const Complex value : list) {
+      numbers.push_back(value.real());
+      numbers.push_back(value.imag());
+    }
+    return numbers;
+  }
+
   const Context& context_;
   Sweep& sweep_;
+  Journal& journal_;
   VariedScene varied_;
   Family across_;
   std::vector<Family> along_;
@@ -483,15 +554,17 @@ std::vector<double> Sweep::at(std::size_t line, double value) const {
   return {value, over[1].values[line]};
 }
 
-Sweep run_sweep(const Context& context) {
+void check_sweep(const Context& context) {
+  if (!context.options().sweep.over.empty()) return;
+  throw Failure::usage("a scene without \"sweep\", and no --over", "a parameter and its values",
+                       "write for instance --over COMPONENT.PARAMETER=1:9:41");
+}
+
+Sweep run_sweep(const Context& context, Journal& journal) {
   Sweep sweep;
   sweep.over = context.options().sweep.over;
-  if (sweep.over.empty()) {
-    throw Failure::usage("a scene without \"sweep\", and no --over", "a parameter and its values",
-                         "write for instance --over COMPONENT.PARAMETER=1:9:41");
-  }
-  const InterruptGuard guard;
-  SweptScene scene(context, sweep);
+  const InterruptGuard guard(journal.last_words());
+  SweptScene scene(context, sweep, journal);
   const std::vector<double>& along = sweep.over[0].values;
   const std::size_t lines = sweep.over.size() == 1 ? 1 : sweep.over[1].values.size();
   prescribe_partition(context, scene, sweep);

@@ -9,6 +9,7 @@
 
 #include "app/context.hpp"
 #include "app/equilibrium_report.hpp"
+#include "app/journal.hpp"
 #include "io/plot.hpp"
 #include "io/tables.hpp"
 #include "linear/track.hpp"
@@ -59,9 +60,11 @@ struct Sweep {
   [[nodiscard]] std::vector<double> at(std::size_t line, double value) const;
 };
 
-/// Sweeps as the scene's "sweep" says. Throws Failure where it has none, and what the first point throws if no point has
-/// a spectrum.
-Sweep run_sweep(const Context& context);
+/// Failure where the scene has no "sweep" and the command line no --over.
+void check_sweep(const Context& context);
+/// Sweeps as the scene's "sweep" says. Points that are in the journal are taken from it, others are written there. Throws
+/// WriteError, and what the first point throws if no point has a spectrum.
+Sweep run_sweep(const Context& context, Journal& journal);
 
 std::string sweep_document(const Sweep& sweep);
 std::string critical_document(const Sweep& sweep);

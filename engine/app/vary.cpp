@@ -9,6 +9,7 @@
 #include "app/progress.hpp"
 #include "app/transient.hpp"
 #include "app/varied_scene.hpp"
+#include "io/parse_json.hpp"
 #include "solve/simulate.hpp"
 #include "solve/start.hpp"
 #include "system/measure.hpp"
@@ -112,8 +113,30 @@ bool simulate_one(const Compiled& compiled, std::vector<double>& values, std::st
   return true;
 }
 
+constexpr std::pair<VariedRun::Status, const char*> words[] = {{VariedRun::Status::ok, "ok"},
+                                                               {VariedRun::Status::failed, "failed"},
+                                                               {VariedRun::Status::interrupted, "interrupted"}};
+
+/// As the journal has it; false where it has nothing.
+bool recall(const Value* entry, std::size_t figures, VariedRun& run) {
+  if (entry == nullptr) return false;
+  const Value *status = entry->find("status"), *values = entry->find("values"), *message = entry->find("message");
+  if (status == nullptr || status->text() == nullptr || values == nullptr || message == nullptr ||
+      message->text() == nullptr)
+    return false;
+  VariedRun found;
+  found.at = run.at;
+  found.message = *message->text();
+  for (const auto& [one, word] : words) {
+    if (*status->text() == word) found.status = one;
+  }
+  const bool is_whole = read_numbers(*values, found.values) && found.status != VariedRun::Status::interrupted &&
+                        found.values.size() == (found.status == VariedRun::Status::ok ? figures : 0);
+  if (is_whole) run = std::move(found);
+  return is_whole;
+}
+
 void simulate_one(VariedScene& scene, VariedRun& run) {
-  if (InterruptGuard::interrupted()) return;
   bool whole = true;
   std::string warning;
   run.message = reason_against([&] {
@@ -157,13 +180,19 @@ std::size_t Vary::count(VariedRun::Status status) const {
       std::count_if(runs.begin(), runs.end(), [&](const VariedRun& run) { return run.status == status; }));
 }
 
-Vary run_vary(const Context& context) {
+const char* word_for(VariedRun::Status status) {
+  return std::find_if(std::begin(words), std::end(words), [&](const auto& one) { return one.first == status; })->second;
+}
+
+void check_vary(const Context& context) {
+  if (context.options().vary.asked) return;
+  throw Failure::usage(
+      "a scene without \"vary\"", "numbers that change, and how",
+      "write for instance \"vary\": { \"over\": { \"COMPONENT.PARAMETER\": [1, 2, 3] } } into the scene");
+}
+
+Vary run_vary(const Context& context, Journal& journal) {
   const VaryOptions& options = context.options().vary;
-  if (!options.asked) {
-    throw Failure::usage(
-        "a scene without \"vary\"", "numbers that change, and how",
-        "write for instance \"vary\": { \"over\": { \"COMPONENT.PARAMETER\": [1, 2, 3] } } into the scene");
-  }
   Vary vary;
   for (const SweptParameter& one : options.over) vary.parameters.push_back({one.name, one.unit});
   for (const RandomParameter& one : options.random) vary.parameters.push_back({one.name, one.unit});
@@ -176,7 +205,7 @@ Vary run_vary(const Context& context) {
   for (const RunFigure& parameter : vary.parameters) names.push_back(parameter.name);
   vary.runs.resize(options.runs());
 
-  const InterruptGuard guard;
+  const InterruptGuard guard(journal.last_words());
   VariedScene scene(context, names);
   if (context.options().simulate.from == SimulateOptions::From::equilibrium)
     reason_against([&] { vary.rest = find_rest(context, context.start_time()); });  // runs may have one all the same
@@ -184,13 +213,22 @@ Vary run_vary(const Context& context) {
   std::mutex mutex;
   std::size_t done = 0;
   for_each_index(vary.runs.size(), context.arguments.threads, [&](std::size_t k) {
-    vary.runs[k].at = values_at(options, k);
-    simulate_one(scene, vary.runs[k]);
+    VariedRun& run = vary.runs[k];
+    run.at = values_at(options, k);
+    if (journal.is_broken() || InterruptGuard::interrupted()) return;
+    if (!recall(journal.find(run.at), vary.figures.size(), run)) {
+      simulate_one(scene, run);
+      if (run.status == VariedRun::Status::interrupted) return;
+      journal.add(run.at, [&](JsonWriter& json) {
+        json.member("status", word_for(run.status)).key("values").values(run.values).member("message", run.message);
+      });
+    }
     const std::scoped_lock lock(mutex);
     ++done;
     progress.show(static_cast<double>(done) / static_cast<double>(vary.runs.size()),
                   std::to_string(done) + " of " + std::to_string(vary.runs.size()) + " runs");
   });
+  journal.check();
   vary.interrupted = InterruptGuard::interrupted();
   return vary;
 }

@@ -8,6 +8,7 @@
 
 #include "app/context.hpp"
 #include "app/equilibrium_report.hpp"
+#include "app/journal.hpp"
 
 namespace bramah {
 
@@ -36,8 +37,14 @@ struct Vary {
   [[nodiscard]] std::size_t count(VariedRun::Status status) const;
 };
 
-/// Simulates as the scene's "vary" says. Throws Failure where it has none.
-Vary run_vary(const Context& context);
+/// As results write it.
+const char* word_for(VariedRun::Status status);
+
+/// Failure where the scene has no "vary".
+void check_vary(const Context& context);
+/// Simulates as the scene's "vary" says. Runs that are in the journal are taken from it, others are written there. Throws
+/// WriteError.
+Vary run_vary(const Context& context, Journal& journal);
 
 /// Over the runs that are ok, one for each figure; NAN where there are none. The deviation is that of a sample, with
 /// n - 1; percentiles lie on straight lines between the sorted values.

@@ -11,15 +11,6 @@ namespace {
 
 constexpr std::size_t most_rows = 40, most_failures = 8;  // for people; files have all
 
-const char* word_for(VariedRun::Status status) {
-  switch (status) {
-    case VariedRun::Status::ok: return "ok";
-    case VariedRun::Status::failed: return "failed";
-    case VariedRun::Status::interrupted: break;
-  }
-  return "interrupted";
-}
-
 std::string heading(const RunFigure& figure) {
   return figure.unit == "1" || figure.unit.empty() ? figure.name : figure.name + " (" + figure.unit + ")";
 }

@@ -1,4 +1,6 @@
 #include <filesystem>
+#include <functional>
+#include <string>
 
 #include "app/failure.hpp"
 #include "app/sweep.hpp"
@@ -8,12 +10,23 @@
 namespace bramah {
 namespace {
 
-constexpr const char* kOptions[] = {"--over", "--threads"};
+constexpr const char* kOptions[] = {"--over", "--threads", "--resume"};
+
+/// Sweeps, and delivers what `deliver_results` makes of it.
+int run(const Arguments& arguments, const std::string& journal_name,
+        const std::function<void(const Sweep&)>& deliver_results) {
+  const Context context = load(arguments);
+  check_sweep(context);
+  Journal journal(context, "sweep", journal_name);
+  const Sweep sweep = run_sweep(context, journal);
+  deliver_results(sweep);
+  journal.finish(sweep.interrupted);
+  return sweep.interrupted ? exit_interrupted : exit_ok;
+}
 
 void write_files(const Arguments& arguments, const Sweep& sweep) {
   if (arguments.out.empty()) return;
   const std::filesystem::path folder(arguments.out);
-  make_folder(folder);
   const auto write = [&](const std::string& name, const std::string& content) {
     write_file(folder / name, content);
     if (!arguments.quiet) say("wrote " + (folder / name).string() + "\n");
@@ -23,16 +36,16 @@ void write_files(const Arguments& arguments, const Sweep& sweep) {
 }
 
 int run_sweep_verb(const Arguments& arguments) {
-  const Sweep sweep = run_sweep(load(arguments));
-  write_files(arguments, sweep);
-  deliver(arguments, "sweep.json", sweep_document(sweep), sweep_text(sweep));
-  return sweep.interrupted ? exit_interrupted : exit_ok;
+  return run(arguments, "sweep.journal", [&](const Sweep& sweep) {
+    write_files(arguments, sweep);
+    deliver(arguments, "sweep.json", sweep_document(sweep), sweep_text(sweep));
+  });
 }
 
 int run_critical_verb(const Arguments& arguments) {
-  const Sweep sweep = run_sweep(load(arguments));
-  deliver(arguments, "critical.json", critical_document(sweep), critical_text(sweep));
-  return sweep.interrupted ? exit_interrupted : exit_ok;
+  return run(arguments, "critical.journal", [&](const Sweep& sweep) {
+    deliver(arguments, "critical.json", critical_document(sweep), critical_text(sweep));
+  });
 }
 
 }  // namespace
@@ -50,13 +63,15 @@ how many.
   --over PARAMETER=FROM:TO:COUNT   or PARAMETER=A,B,C; instead of the scene's "sweep"; twice for a grid. PARAMETER is
                                    COMPONENT.PARAMETER, constants.NAME or start.VARIABLE
   --threads N                      at most so many points at a time
+  --resume FILE                    go on from the journal that a broken run has left
 
 Examples
   bramah sweep scenes/bicycle/benchmark.json --over "constants.v=0.2:9:45" --out results
   bramah sweep scenes/four_bar/overdamped.json --over "seal.sigma_2=1:400:60"
 
 Prints the largest real part along the parameter and where it passes zero. --out writes sweep.json, sweep.csv (a row a
-point), root_locus.svg, real_parts.svg, frequencies.svg.
+point), root_locus.svg, real_parts.svg, frequencies.svg. Until these are there, each point is written into sweep.journal
+when it is known: after Ctrl-C, a kill or a full disk, --resume DIR/sweep.journal does the rest.
 --json prints {"over": [{"parameter", "unit", "values"}], "modes": [{"name", "states_at_first"}], "points": [{"at",
 "failed", "zeros", "unstable", "re": [...], "im": [...]}], "critical": [...] (see critical), "branch_points": [{"at",
 "first", "second", "re", "becomes"}], "points_added", "equilibrium", "failures": [{"at", "message"}], "notes", "interrupted"}
@@ -74,11 +89,12 @@ that take part. Zeros by rank never count. What happens twice between neighbouri
 
   --over PARAMETER=FROM:TO:COUNT   or PARAMETER=A,B,C; instead of the scene's "sweep"
   --threads N                      at most so many points at a time
+  --resume FILE                    go on from the journal that a broken run has left
 
 Example
   bramah critical scenes/bicycle/benchmark.json --over "constants.v=0.2:9:45"
 
---out writes critical.json
+--out writes critical.json, and critical.journal until that is there, for --resume as in `bramah sweep`.
 --json prints {"over": [...], "critical": [{"at": [value], "mode", "kind", "oscillatory", "rad_s", "frequency_hz",
 "becomes", "others_unstable", "states"}], "equilibrium", "failures": [...], "notes", "interrupted"}
 )",

@@ -48,7 +48,7 @@ class Reader {
     for (std::size_t i = 0; i < names.size(); ++i) {
       const auto member = found.find(names[i]);
       std::vector<double> numbers;
-      if (member != found.end() && list(*member->second, numbers) && numbers.size() == width) {
+      if (member != found.end() && read_numbers(*member->second, numbers) && numbers.size() == width) {
         take(i, numbers);
       } else {
         faults_.push_back(at(place, fault("unknown-variable", "no numbers for " + in_quotes(names[i]),
@@ -98,15 +98,6 @@ class Reader {
                                                "a checkpoint of bramah simulate", remedy)));
       }
     }
-  }
-
-  static bool list(const Value& value, std::vector<double>& numbers) {
-    if (value.list() == nullptr) return false;
-    for (const Value& item : *value.list()) {
-      if (item.number() == nullptr) return false;
-      numbers.push_back(*item.number());
-    }
-    return true;
   }
 
   Faults& faults() { return faults_; }
@@ -236,7 +227,7 @@ Checkpoint read_checkpoint(const System& system, const Source& source) {
     }
   }
   const Value* memory = root.find("memory");
-  if (memory == nullptr || !Reader::list(*memory, result.memory)) {
+  if (memory == nullptr || !read_numbers(*memory, result.memory)) {
     reader.faults().push_back(
         fault("not-a-checkpoint", "no list \"memory\" of numbers", "a checkpoint of bramah simulate", remedy));
   }

@@ -97,6 +97,13 @@ void OutputFile::commit() {
   throw WriteError(file_, "cannot be replaced: " + error.message(), remedy_for(error.value()));
 }
 
+void OutputFile::discard() {
+  std::fclose(out_);
+  out_ = nullptr;
+  std::error_code ignored;
+  std::filesystem::remove(part_, ignored);
+}
+
 std::filesystem::path OutputFile::leave_part() {
   std::fclose(out_);
   out_ = nullptr;

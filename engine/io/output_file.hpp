@@ -57,6 +57,8 @@ class OutputFile {
   /// Brings all that was written so far to the file.
   void flush();
   void commit();
+  /// Removes the part, kept or not.
+  void discard();
   /// Leaves the part where it is and says where: what a broken run has found so far is worth a look.
   std::filesystem::path leave_part();
 

@@ -313,4 +313,13 @@ bool parse_json(std::string_view text, Value& root, Faults& faults) {
   }
 }
 
+bool read_numbers(const Value& list, std::vector<double>& numbers) {
+  if (list.list() == nullptr) return false;
+  for (const Value& item : *list.list()) {
+    if (item.number() == nullptr) return false;
+    numbers.push_back(*item.number());
+  }
+  return true;
+}
+
 }  // namespace bramah

@@ -28,4 +28,7 @@ inline std::string in_quotes(std::string_view text) { return '"' + std::string(t
 /// out of range, nesting deeper than 64. True where all of it was read.
 bool parse_json(std::string_view text, Value& root, Faults& faults);
 
+/// Appends the numbers of a list; false where it is none, or holds anything else.
+bool read_numbers(const Value& list, std::vector<double>& numbers);
+
 }  // namespace bramah

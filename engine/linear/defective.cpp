@@ -59,7 +59,7 @@ void InvariantSubspaces::bring_forward(Index from, Index to) {
     schur_.applyOnTheRight(i, i + 1, turn);
     schur_(i + 1, i) = 0.0;
     vectors_.applyOnTheRight(i, i + 1, turn);
-    coupling_.applyOnTheRight(i, i + 1, turn);
+    if (coupling_.rows() > 0) coupling_.applyOnTheRight(i, i + 1, turn);  // Eigen refers to its first element
   }
 }
 

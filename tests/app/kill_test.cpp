@@ -180,6 +180,7 @@ std::vector<std::vector<double>> numbers_of(const std::string& csv) {
 // rel_tol leaves.
 TEST_F(Kill, AtAnyMomentTheRunGoesOnToTheSameSeries) {
   const int count = support::property_runs(4);
+  int all_breaks = 0;
   for (int k = 0; k < count; ++k) {
     std::mt19937_64 random(support::property_seed(k));
     const bool same_bits = k % 2 == 0, binary = k % 4 == 2;
@@ -223,6 +224,8 @@ TEST_F(Kill, AtAnyMomentTheRunGoesOnToTheSameSeries) {
         if (saved.at("time").get<double>() >= 0.5) code = 0;  // broken after its end
       }
     }
+    all_breaks += breaks;
+    RecordProperty("breaks", all_breaks);
     const std::string expected = contents(whole / series), found = contents(broken / series);
     if (same_bits) {
       EXPECT_TRUE(found == expected) << series << " differs after " << breaks << " breaks";
@@ -236,6 +239,98 @@ TEST_F(Kill, AtAnyMomentTheRunGoesOnToTheSameSeries) {
         ASSERT_NEAR(a[row][i], b[row][i], 1e-4 * (1.0 + std::abs(a[row][i]))) << "row " << row << ", column " << i;
     }
   }
+}
+
+// Studies of many points have their journal. What they find in the end has the bits of the study that nobody broke.
+TEST_F(Kill, AtAnyMomentAStudyGoesOnToTheSameResults) {
+  struct Study {
+    const char *verb, *scene;
+    std::vector<std::string> more, files;
+  };
+  const Study studies[] = {
+      {"vary", "linear/pendulum.json", {"--set", "vary.count=20"}, {"vary.json", "vary.csv"}},
+      {"sweep",
+       "bicycle/benchmark.json",
+       {"--over", "constants.v=0.2:9:45"},
+       {"sweep.json", "sweep.csv", "root_locus.svg", "real_parts.svg"}},
+      {"critical", "bicycle/benchmark.json", {"--over", "constants.v=0.2:9:45"}, {"critical.json"}},
+  };
+  const int count = support::property_runs(1);
+  int breaks = 0;
+  for (int k = 0; k < count; ++k) {
+    std::mt19937_64 random(support::property_seed(k));
+    for (const Study& study : studies) {
+      const fs::path whole = folder_ / "whole", broken = folder_ / "broken";
+      const fs::path journal = broken / (std::string(study.verb) + ".journal");
+      fs::remove_all(whole);
+      fs::remove_all(broken);
+      const auto run = [&](const fs::path& out, bool resume) {
+        std::vector<std::string> arguments = {BRAMAH_BINARY_DIR "/bin/bramah", study.verb,
+                                              std::string(BRAMAH_SOURCE_DIR "/scenes/") + study.scene, "--out",
+                                              out.string()};
+        arguments.insert(arguments.end(), study.more.begin(), study.more.end());
+        if (resume) arguments.insert(arguments.end(), {"--resume", journal.string()});
+        return arguments;
+      };
+      ASSERT_EQ(Process(run(whole, false), folder_ / "err").end_by(0), 0) << contents(folder_ / "err");
+      EXPECT_FALSE(fs::exists(whole / (std::string(study.verb) + ".journal.part")));
+      for (int code = -1; code != 0; ++breaks) {
+        ASSERT_LT(breaks, 2000);
+        const bool resume = fs::exists(journal) || fs::exists(journal.string() + ".part");
+        Process process(run(broken, resume), folder_ / "err");
+        std::this_thread::sleep_for(std::chrono::milliseconds(std::uniform_int_distribution<int>(20, 400)(random)));
+        const int signals[] = {SIGKILL, SIGINT, SIGTERM, SIGHUP};
+        code = process.end_by(signals[std::uniform_int_distribution<std::size_t>(0, 3)(random)]);
+        ASSERT_TRUE(code == 0 || code == 130 || code < 0) << code << ": " << contents(folder_ / "err");
+        if (code == 130) {
+          EXPECT_THAT(contents(folder_ / "err"), HasSubstr("--resume " + journal.string() + " goes on"));
+        }
+      }
+      for (const std::string& file : study.files)
+        EXPECT_TRUE(contents(whole / file) == contents(broken / file))
+            << file << " differs after " << breaks << " breaks";
+      EXPECT_FALSE(fs::exists(journal) || fs::exists(journal.string() + ".part"));
+    }
+  }
+  RecordProperty("breaks", breaks);
+}
+
+TEST_F(Kill, AStudyOnAFullDiskGoesOnWhenThereIsRoom) {
+  const std::string study = "vary '" BRAMAH_SOURCE_DIR "/scenes/linear/pendulum.json' --quiet";
+  ASSERT_EQ(bramah(study + " --out whole").code, 0);
+  const std::string command = "cd '" + folder_.string() +
+                              "' && bash -c \"ulimit -f 16; '" BRAMAH_BINARY_DIR "/bin/bramah' " + study +
+                              " --out out\" >out.txt 2>err";
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 4);
+  EXPECT_THAT(contents(folder_ / "err"), HasSubstr("out/vary.journal: error: cannot be written: File too large"));
+  EXPECT_THAT(contents(folder_ / "err"), HasSubstr("go on with --resume out/vary.journal"));
+  EXPECT_FALSE(fs::exists(folder_ / "out/vary.csv"));
+  EXPECT_GT(contents(folder_ / "out/vary.journal.part").size(), 10000U);
+  EXPECT_EQ(bramah(study + " --out out --resume out/vary.journal").code, 0);
+  EXPECT_EQ(contents(folder_ / "out/vary.csv"), contents(folder_ / "whole/vary.csv"));
+}
+
+TEST_F(Kill, AJournalOfAnotherStudyIsRefused) {
+  const std::string pendulum = "'" BRAMAH_SOURCE_DIR "/scenes/linear/pendulum.json'";
+  const auto expect = [&](const std::string& arguments, const char* found) {
+    const Ended run = bramah(arguments);
+    EXPECT_EQ(run.code, 2) << arguments << run.err;
+    EXPECT_THAT(run.err, HasSubstr(found)) << arguments;
+  };
+  write("vary.journal", "{\"bramah_journal\": \"vary\", \"stamp\": \"0123456789abcdef\"}\n");
+  expect("vary " + pendulum + " --resume vary.journal", "vary.journal: error: the journal of another study, scene");
+  expect("vary " + pendulum + " --resume none.journal", "none.journal: error: there is no such file");
+  expect("vary " + pendulum + " --resume stdout.txt", "stdout.txt: error: a file that is no journal");
+  // A line in the middle that nobody wrote so.
+  Process slow({BRAMAH_BINARY_DIR "/bin/bramah", "vary", BRAMAH_SOURCE_DIR "/scenes/linear/pendulum.json", "--out",
+                (folder_ / "out").string()},
+               folder_ / "err");
+  ASSERT_TRUE(comes_true([&] { return has(folder_ / "out/vary.journal.part", 2000); }));
+  EXPECT_EQ(slow.end_by(SIGKILL), -SIGKILL);
+  std::string text = contents(folder_ / "out/vary.journal.part");
+  text.replace(text.find('\n') + 3, 5, "#####");
+  write("out/vary.journal.part", text);
+  expect("vary " + pendulum + " --resume out/vary.journal", "out/vary.journal.part: error: line 2 is damaged");
 }
 
 TEST_F(Kill, TwoRunsDoNotShareAFolder) {
