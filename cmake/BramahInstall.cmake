@@ -19,5 +19,6 @@ install(FILES
   ${CMAKE_CURRENT_BINARY_DIR}/BramahConfig.cmake
   ${CMAKE_CURRENT_BINARY_DIR}/BramahConfigVersion.cmake
   cmake/BramahPlugin.cmake
+  cmake/BramahStamp.cmake
   cmake/plugin.map
   DESTINATION ${package_dir})

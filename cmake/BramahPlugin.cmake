@@ -12,6 +12,7 @@ else()
 endif()
 
 set(BRAMAH_PLUGIN_MAP ${CMAKE_CURRENT_LIST_DIR}/plugin.map)
+set(BRAMAH_PLUGIN_STAMP ${CMAKE_CURRENT_LIST_DIR}/BramahStamp.cmake)
 
 function(bramah_add_plugin name)
   # A whole second file rather than a second translation unit: the linker might give a template instantiated for AVX2 to
@@ -20,7 +21,45 @@ function(bramah_add_plugin name)
   if(BRAMAH_V3_TWINS AND CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
     bramah_add_plugin_variant(${name}.v3 ${ARGN})
     target_compile_options(${name}.v3 PRIVATE -march=x86-64-v3)
+    # Whoever builds one gets both.
+    bramah_stamp_plugin(${name} ${name}.v3)
+    add_dependencies(${name} ${name}.v3)
   endif()
+endfunction()
+
+# The engine refuses twins whose stamps differ: one of them is old.
+function(bramah_stamp_plugin name twin)
+  get_target_property(sources ${name} SOURCES)
+  set(absolute "")
+  set(headers "")
+  foreach(source IN LISTS sources)
+    cmake_path(ABSOLUTE_PATH source NORMALIZE)
+    cmake_path(GET source PARENT_PATH folder)
+    file(GLOB beside CONFIGURE_DEPENDS ${folder}/*.h ${folder}/*.hpp)
+    list(APPEND absolute ${source})
+    list(APPEND headers ${beside})
+  endforeach()
+  list(REMOVE_DUPLICATES headers)
+  get_property(languages GLOBAL PROPERTY ENABLED_LANGUAGES)
+  set(language C)
+  set(ending c)
+  if(CXX IN_LIST languages)
+    set(language CXX)
+    set(ending cpp)
+  endif()
+  string(TOUPPER "${CMAKE_BUILD_TYPE}" config)
+  set(flags "${CMAKE_${language}_COMPILER_ID} ${CMAKE_${language}_COMPILER_VERSION} ${CMAKE_${language}_FLAGS}")
+  string(APPEND flags " ${CMAKE_${language}_FLAGS_${config}}")
+  set(stamp ${CMAKE_CURRENT_BINARY_DIR}/${name}_stamp.${ending})
+  add_custom_command(OUTPUT ${stamp}
+    COMMAND ${CMAKE_COMMAND} -DOUT=${stamp} "-DFLAGS=${flags}" "-DSOURCES=${absolute}" -P ${BRAMAH_PLUGIN_STAMP}
+    DEPENDS ${absolute} ${headers} ${BRAMAH_PLUGIN_STAMP}
+    COMMENT "Stamping ${name}" VERBATIM)
+  add_custom_target(${name}.stamp DEPENDS ${stamp})
+  foreach(target ${name} ${twin})
+    target_sources(${target} PRIVATE ${stamp})
+    add_dependencies(${target} ${name}.stamp)
+  endforeach()
 endfunction()
 
 function(bramah_add_plugin_variant target)

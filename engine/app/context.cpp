@@ -7,6 +7,7 @@
 
 #include "app/equilibrium_report.hpp"
 #include "app/failure.hpp"
+#include "app/hand_written.hpp"
 #include "app/results.hpp"
 #include "io/output_file.hpp"
 #include "io/read_scene.hpp"
@@ -63,6 +64,7 @@ Context load(const Arguments& arguments) {
     if (!arguments.outputs.empty())
       scene.root.set("outputs", Value::List(arguments.outputs.begin(), arguments.outputs.end()));
     Compiled compiled = compile(scene, std::make_shared<Registry>(), std::move(of_shape));
+    for (Diagnostic& warning : examine_hand_written(compiled)) compiled.warnings.push_back(std::move(warning));
     if (arguments.strict && !compiled.warnings.empty()) throw SceneError(compiled.warnings);
     if (!arguments.quiet && !compiled.warnings.empty())
       tell_warnings(Failure::scene(source, SceneError(compiled.warnings), arguments.settings));

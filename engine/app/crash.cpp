@@ -19,6 +19,8 @@ const char* name_of(int signal) {
     case SIGSEGV: return "SIGSEGV";
     case SIGBUS: return "SIGBUS";
     case SIGFPE: return "SIGFPE";
+    case SIGINT: return "SIGINT";
+    case SIGTERM: return "SIGTERM";
     default: return "SIGABRT";
   }
 }
@@ -40,7 +42,8 @@ void tell(int signal) {
       put(", ");
       put(file_of(*call.type));
     }
-    put("\n  to do     mend the library; a debugger shows the line\n");
+    put(signal == SIGINT || signal == SIGTERM ? "\n  to do     mend the library, if this call never ends\n"
+                                              : "\n  to do     mend the library; a debugger shows the line\n");
   }
   raise(signal);  // the handler is gone: SA_RESETHAND
 }
@@ -51,7 +54,7 @@ void tell_of_crashes() {
   struct sigaction action = {};
   action.sa_handler = tell;
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
-  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGABRT}) sigaction(signal, &action, nullptr);
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGABRT, SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
 
 }  // namespace bramah

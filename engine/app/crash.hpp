@@ -3,7 +3,7 @@
 
 namespace bramah {
 
-/// Installs handlers of SIGSEGV, SIGBUS, SIGFPE and SIGABRT that print which entry of which library the thread was in, and
+/// Installs handlers of SIGSEGV, SIGBUS, SIGFPE and SIGABRT, and of SIGINT and SIGTERM for calls that never end, that print which entry of which library the thread was in, and
 /// let the process die of its signal.
 void tell_of_crashes();
 

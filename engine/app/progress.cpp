@@ -21,7 +21,7 @@ constexpr int kBarWidth = 30;
 std::atomic<bool> interrupt_seen = false;  // a signal handler reaches nothing else
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-constexpr int interrupts[] = {SIGINT, SIGTERM, SIGHUP};
+constexpr std::array interrupts = {SIGINT, SIGTERM, SIGHUP};
 
 /// Read by handlers: set before these are, cleared after.
 std::string_view words_at_the_end;
@@ -70,11 +70,11 @@ InterruptGuard::InterruptGuard(std::string last_words) : last_words_(std::move(l
   struct sigaction action = {};
   action.sa_handler = note_interrupt;
   action.sa_flags = static_cast<int>(SA_RESETHAND);
-  for (const int signal : interrupts) sigaction(signal, &action, nullptr);
+  for (std::size_t k = 0; k < before_.size(); ++k) sigaction(interrupts[k], &action, &before_[k]);
 }
 
 InterruptGuard::~InterruptGuard() {
-  for (const int signal : interrupts) std::signal(signal, SIG_DFL);
+  for (std::size_t k = 0; k < before_.size(); ++k) sigaction(interrupts[k], &before_[k], nullptr);
   alarm(0);
   if (!last_words_.empty()) std::signal(SIGALRM, SIG_DFL);
   words_at_the_end = {};

@@ -1,7 +1,9 @@
 // A bar on standard error for work that lasts, and Ctrl-C as a question rather than an end.
 #pragma once
 
+#include <array>
 #include <chrono>
+#include <csignal>
 #include <string>
 
 namespace bramah {
@@ -41,6 +43,7 @@ class InterruptGuard {
 
  private:
   std::string last_words_;
+  std::array<struct sigaction, 3> before_{};
 };
 
 }  // namespace bramah

@@ -12,6 +12,7 @@
 #include "io/checkpoint.hpp"
 #include "io/npy_file.hpp"
 #include "io/read_scene.hpp"
+#include "system/measure.hpp"
 #include "system/message.hpp"
 
 namespace bramah {
@@ -51,6 +52,13 @@ std::uintmax_t bytes_of_rows(const std::filesystem::path& there, const std::stri
   return bytes;
 }
 
+/// Whether the checkpoint of --resume lies in the folder of --out: the series that is there then goes on.
+bool goes_on_in_place(const Arguments& arguments) {
+  std::error_code ignored;
+  return !arguments.out.empty() && !arguments.resume.empty() &&
+         std::filesystem::equivalent(std::filesystem::absolute(arguments.resume).parent_path(), arguments.out, ignored);
+}
+
 /// Where the rows go: a file, which appears when it is complete, or standard output.
 class Series {
  public:
@@ -63,9 +71,7 @@ class Series {
       const std::filesystem::path folder(arguments.out);
       make_folder(folder);
       file_ = folder / (arguments.binary ? "time_series.npy" : "time_series.csv");
-      std::error_code ignored;
-      goes_on = from != nullptr && !OutputFile::there_is(file_).empty() &&
-                std::filesystem::equivalent(std::filesystem::absolute(arguments.resume).parent_path(), folder, ignored);
+      goes_on = from != nullptr && !OutputFile::there_is(file_).empty() && goes_on_in_place(arguments);
       if (arguments.binary) {
         std::vector<std::string> columns = {"time"};
         for (const Measured& output : outputs) columns.push_back(output.name);
@@ -134,7 +140,8 @@ std::optional<Checkpoint> checkpoint_to_resume(const Arguments& arguments, const
     Checkpoint from = read_checkpoint(system, source);
     const double t = from.state.t;
     const SimulateOptions& options = context.options().simulate;
-    if (!(options.to_time > t)) {
+    // A run that was killed after its last checkpoint is complete but for the name of its series.
+    if (!(options.to_time > t) && !(options.to_time == t && goes_on_in_place(arguments))) {
       throw Failure::analysis(
           {}, AnalysisError("simulate",
                             "the checkpoint is at t = " + digits(t, 17) +
@@ -154,6 +161,17 @@ void check(const Arguments& arguments) {
     throw Failure::usage("--save-every without --out", "a folder for checkpoint.json", "add --out DIR");
 }
 
+/// The checkpoint is that of the end: nothing is left to simulate.
+int complete(const Context& context, const Checkpoint& at_end, Series& series) {
+  Transient transient;
+  transient.last_time = at_end.state.t;
+  transient.final_values = Meter(context.system(), context.options().outputs).read(at_end.state);
+  series.commit();
+  if (!context.arguments.quiet) say("the run was complete; its series is " + series.file().string() + '\n');
+  if (context.arguments.json) print(document(context, transient, {}, {}, series.file().string()));
+  return exit_ok;
+}
+
 int run(const Arguments& arguments) {
   check(arguments);
   const Context context = load(arguments);
@@ -165,6 +183,7 @@ int run(const Arguments& arguments) {
     series.flush();
     write_file(saved, checkpoint_text(context.system(), checkpoint));
   };
+  if (from && from->state.t == context.options().simulate.to_time) return complete(context, *from, series);
   TransientSetup setup;
   setup.resume = from ? &*from : nullptr;
   setup.show_progress = !series.scrolls();  // rows that scroll by are progress enough
@@ -201,7 +220,7 @@ int run(const Arguments& arguments) {
     throw;
   }
   save(transient.simulation.checkpoint);
-  series.commit();
+  series.commit();  // a kill before this leaves the part and a checkpoint of the end, which `complete` takes
   if (!arguments.quiet) {
     say(as_text(statistics_table(transient), ""));
     if (!series.file().empty()) say("wrote " + series.file().string() + " and " + saved.string() + '\n');

@@ -1,12 +1,16 @@
 #include "plugin/registry.hpp"
 
 #include "plugin/border.hpp"
+#include "plugin/library_file.hpp"
 
 #include <dlfcn.h>
-#include <elf.h>
+#include <sys/uio.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cerrno>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -42,6 +46,28 @@ bool valid_name(std::string_view name) {
   return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
   });
+}
+
+/// False where reading would end the process. Where the system cannot tell, it is taken to be readable.
+bool readable(const void* from, std::size_t count) {
+  std::array<unsigned char, 512> copy;
+  if (from == nullptr || count > copy.size()) return false;
+  const iovec here{copy.data(), count}, there{const_cast<void*>(from), count};
+  const ssize_t done = ::process_vm_readv(::getpid(), &here, 1, &there, 1, 0);
+  return done < 0 ? errno != EFAULT : static_cast<std::size_t>(done) == count;
+}
+
+/// A text that ends; null is one, too.
+bool is_text(const char* from) {
+  constexpr std::size_t longest = 65536, block = 64;  // blocks do not cross pages
+  if (from == nullptr) return true;
+  for (std::size_t k = 0; k < longest;) {
+    const std::size_t count = block - reinterpret_cast<std::uintptr_t>(from + k) % block;
+    if (!readable(from + k, count)) return false;
+    if (std::memchr(from + k, '\0', count) != nullptr) return true;
+    k += count;
+  }
+  return false;
 }
 
 bool all_said(std::initializer_list<const char*> texts) {
@@ -109,7 +135,11 @@ void collect(const char* what, const Info* list, std::int32_t count, std::set<st
   if (fault.empty() && (count < 0 || (count > 0 && list == nullptr)))
     fault = std::string("its list of ") + what + "s is missing";
   for (std::int32_t i = 0; fault.empty() && i < count; ++i) {
-    if (text(list[i].name).empty()) {
+    // A count beyond the end of the list: what stands there has no size of its own, or cannot be read.
+    if (!readable(list + i, sizeof(Info)) || list[i].size != sizeof(Info) || !is_text(list[i].name)) {
+      fault = std::string(what) + " " + std::to_string(i + 1) + " of " + std::to_string(count) + " is no " + what +
+              ": is the count right?";
+    } else if (text(list[i].name).empty()) {
       fault = std::string("a ") + what + " has no name";
     } else if (!names.insert(text(list[i].name)).second) {
       fault = std::string(what) + " \"" + text(list[i].name) + "\" is declared twice";
@@ -265,28 +295,6 @@ std::vector<fs::path> Registry::default_search_path() {
 
 namespace {
 
-/// What is missing at the end of an ELF file, or "". dlopen maps what the headers promise, and the process would die of
-/// SIGBUS where the file ends before.
-std::string cut_short(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  Elf64_Ehdr header{};
-  in.read(reinterpret_cast<char*>(&header), sizeof header);
-  if (!in || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 || header.e_ident[EI_CLASS] != ELFCLASS64)
-    return "";  // dlopen says what it is instead
-  std::error_code ignored;
-  const std::uint64_t size = fs::file_size(file, ignored);
-  std::uint64_t end = header.e_shoff + std::uint64_t{header.e_shnum} * header.e_shentsize;
-  for (unsigned k = 0; k < header.e_phnum && header.e_phentsize == sizeof(Elf64_Phdr); ++k) {
-    Elf64_Phdr segment{};
-    in.seekg(static_cast<std::streamoff>(header.e_phoff + k * sizeof segment));
-    in.read(reinterpret_cast<char*>(&segment), sizeof segment);
-    if (!in) return "it ends within its headers";
-    if (segment.p_type == PT_LOAD) end = std::max(end, segment.p_offset + segment.p_filesz);
-  }
-  if (end <= size) return "";
-  return std::to_string(size) + " bytes of " + std::to_string(end);
-}
-
 /// Nothing else of a table may be read before this.
 void check_epoch(const bramah_library& library, const fs::path& file) {
   const bool known = library.size >= library_size_of_epoch;
@@ -354,7 +362,20 @@ void Registry::load(std::string_view name) {
   fs::path file = found[0];
   const fs::path twin = file.parent_path() / (word + ".v3.so");
   std::error_code ignored;
-  if (prefers_v3() && fs::exists(twin, ignored)) file = twin;
+  if (fs::exists(twin, ignored)) {
+    const std::string base = stamp_of(file), v3 = stamp_of(twin);
+    if (base != v3) {
+      const auto said = [](const std::string& stamp) {
+        return stamp.empty() ? "no stamp" : "the stamp " + stamp.substr(0, 12);
+      };
+      throw PluginError("library-twin",
+                        file.string() + " has " + said(base) + " and " + twin.string() + " has " + said(v3) +
+                            ": they come from different sources or flags",
+                        "two files of one build",
+                        "build both with bramah_add_plugin, or remove " + twin.filename().string());
+    }
+    if (prefers_v3()) file = twin;
+  }
 
   if (const std::string cut = cut_short(file); !cut.empty()) {
     throw PluginError("library-broken", file.string() + " is cut short: " + cut, "a whole library file",
@@ -362,7 +383,9 @@ void Registry::load(std::string_view name) {
   }
 
   // Never closed: instances, tables and messages live in it, and unloading is unreliable with thread-locals anyway.
+  border_call() = {"dlopen", file.c_str(), nullptr, 1};
   void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  border_call() = {};
   if (handle == nullptr) {
     std::string why = text(dlerror());
     if (why.starts_with(file.string() + ": ")) why.erase(0, file.string().size() + 2);
@@ -418,11 +441,18 @@ void Registry::add(const bramah_library* library, const fs::path& origin) {
                       "libraries with names of their own", "load only one of them");
   }
   for (std::int32_t i = 0; i < library->type_count; ++i) {
-    if (library->types[i] == nullptr) {
+    if (!readable(library->types + i, sizeof(void*)) || library->types[i] == nullptr) {
       throw PluginError("library-broken", origin.string() + " has a type without a description",
                         "a list of component types", "repair its table");
     }
     const bramah_type& type = *library->types[i];
+    constexpr std::size_t most = 65536;  // bytes of a type of any later minor
+    if (!readable(library->types[i], type_size_of_epoch) || type.size > most || !is_text(type.name)) {
+      throw PluginError("library-broken",
+                        "type " + std::to_string(i + 1) + " of " + std::to_string(library->type_count) + " in " +
+                            origin.string() + " is no description of a type",
+                        "as many types as type_count says", "repair its table");
+    }
     const std::string fault = defect(type, name);
     if (!fault.empty()) {
       throw PluginError("library-broken", "type " + text(type.name) + " of " + origin.string() + ": " + fault,

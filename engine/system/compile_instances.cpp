@@ -15,6 +15,7 @@ void mark_set_starts(System& s, const Draft& draft, std::size_t own_x, std::size
   const bramah_type& type = *draft.type;
   const auto* tangent = extension<bramah_tangent>(type, BRAMAH_EXTENSION_TANGENT);
   if (tangent == nullptr || tangent->start == nullptr || own_x == 0) return;
+  const AtBorder at("configure of tangents", draft.name.c_str(), type);
   std::vector<std::vector<double>> moves = draft.numbers;
   for (auto& list : moves) std::fill(list.begin(), list.end(), 0.0);
   for (std::size_t p = 0; p < moves.size(); ++p) {
@@ -22,7 +23,7 @@ void mark_set_starts(System& s, const Draft& draft, std::size_t own_x, std::size
     for (double& move : moves[p]) {
       move = 1.0;
       Instances moving(type, 1);
-      if (tangent->configure(type.self, moving.at(0), parameter_values(draft.numbers, draft.texts).data(),
+      if (tangent->configure(type.self, moving.next(), parameter_values(draft.numbers, draft.texts).data(),
                              parameter_values(moves, draft.texts).data()) != 0)
         return;
       moving.constructed();
@@ -72,7 +73,7 @@ void Compiler::make_instances() {
     component.position = draft.position;
     component.numbers = draft.numbers;
     component.texts = draft.texts;
-    void* instance = group.instances.at(draft.position);
+    void* instance = group.instances.next();
     const AtBorder at("configure", draft.name.c_str(), *draft.type);
     if (draft.type->configure(draft.type->self, instance, parameter_values(draft.numbers, draft.texts).data()) != 0) {
       const std::string why = take_fault(*draft.type);
@@ -81,12 +82,19 @@ void Compiler::make_instances() {
                   "a working component", "this is a fault of its library");
       stop_if_faulty();
     }
-    group.instances.constructed();
+    if (!group.instances.constructed()) {
+      faults_.add("component-broken", draft.where,
+                  std::string(draft.type->name) + " writes behind the " + std::to_string(draft.type->instance_bytes) +
+                      " bytes of its instance",
+                  "a table whose instance_bytes is the size of an instance", "repair the table of its library");
+      stop_if_faulty();
+    }
     struct Context {
       Faults* faults;
       const Draft* draft;
     } context{&faults_, &draft};
     if (draft.type->check == nullptr) continue;
+    const AtBorder at_check("check", draft.name.c_str(), *draft.type);
     draft.type->check(
         draft.type->self, instance,
         [](void* c, const char* parameter, const char* found, const char* expected) {
@@ -107,6 +115,7 @@ void Compiler::number_variables() {
     Draft& draft = drafts_[k];
     if (draft.type == nullptr) continue;
     const bramah_type& type = *draft.type;
+    const AtBorder at("start or constants", draft.name.c_str(), type);
     const auto component = static_cast<Index>(k);
     const void* instance =
         draft.sound ? s.groups[static_cast<std::size_t>(draft.group)].instances.at(draft.position) : nullptr;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "plugin/border.hpp"
 #include "system/analysis_error.hpp"
 #include "system/scene.hpp"
 
@@ -33,8 +34,9 @@ void Direction::move_component(const System& system, const SceneNumber& number, 
   for (const ParameterRef& p : number.parameters) {
     if (p.component == index) moves[static_cast<std::size_t>(p.parameter)][static_cast<std::size_t>(p.element)] = 1.0;
   }
+  const AtBorder at("configure of tangents", component.name.c_str(), type);
   Moving& made = moving_.emplace_back(Moving{&component, tangent, Instances(type, 1)});
-  void* instance = made.instance.at(0);
+  void* instance = made.instance.next();
   if (tangent == nullptr ||
       tangent->configure(type.self, instance, parameter_values(component.numbers, component.texts).data(),
                          parameter_values(moves, component.texts).data()) != 0) {
@@ -57,6 +59,7 @@ void Direction::apply_inputs(const System& system, const State& at) {
   for (const Moving& m : moving_) {
     const Component& component = *m.component;
     if (component.input < 0 || m.tangent->signal == nullptr) continue;
+    const AtBorder border("signal of tangents", component.name.c_str(), *component.type);
     state.z[static_cast<std::size_t>(system.nz() + component.input)] =
         m.tangent->signal(component.type->self, m.instance.at(0), at.t, at.side);
   }
@@ -70,6 +73,7 @@ void Direction::add_start(const System& system) {
     Index own[2] = {};  // x, z
     for (std::int32_t i = 0; i < type.variable_count; ++i) ++own[type.variables[i].family == BRAMAH_X ? 0 : 1];
     Vector x(static_cast<std::size_t>(own[0])), v(x.size()), z(static_cast<std::size_t>(own[1]));
+    const AtBorder border("start of tangents", component.name.c_str(), type);
     m.tangent->start(type.self, m.instance.at(0), x.data(), v.data(), z.data());
     for (std::size_t k = 0; k < x.size(); ++k) {
       const std::size_t i = static_cast<std::size_t>(component.first_x) + k;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plugin/border.hpp"
+
 namespace bramah {
 namespace {
 
@@ -76,6 +78,7 @@ bool Energies::evaluate_energies(const bramah_type& type, const bramah_batch& ba
   if (stored == nullptr) return false;
   energies_.resize(static_cast<std::size_t>(batch.count));
   rates_.resize(energies_.size());
+  const AtBorder border("energy", "a component", type, batch.count);
   if (stored->values(type.self, &batch, &direction, energies_.data(), rates_.data()) == 0) return true;
   std::fill(energies_.begin(), energies_.end(), std::nan(""));
   std::fill(rates_.begin(), rates_.end(), std::nan(""));

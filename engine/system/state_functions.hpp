@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "plugin/border.hpp"
 #include "system/system.hpp"
 
 namespace bramah {
@@ -42,6 +43,8 @@ class StateFunctions {
       const bramah_type& type = *group.type;
       const auto count = static_cast<std::size_t>(extensions_[g]->count);
       for (Index i = 0; i < group.count; ++i) {
+        const std::string& name = system_.component_name(group.component[static_cast<std::size_t>(i)]);
+        const AtBorder border("switches or limits", name.c_str(), type);
         gather(state.x, group.x, i, type.nx, x_);
         gather(state.v, group.x, i, type.nx, v_);
         gather(state.z, group.z, i, type.nz, z_);

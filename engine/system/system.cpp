@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <new>
 #include <optional>
 
@@ -12,11 +13,17 @@
 #include "system/units.hpp"
 
 namespace bramah {
+namespace {
+
+constexpr unsigned char guard = 0xa5;
+
+}  // namespace
 
 Instances::Instances(const bramah_type& type, Index count)
     : type_(&type),
-      memory_(static_cast<unsigned char*>(::operator new(type.instance_bytes* static_cast<std::size_t>(count),
-                                                         std::align_val_t(type.instance_align)))) {}
+      memory_(static_cast<unsigned char*>(::operator new(
+          type.instance_bytes* static_cast<std::size_t>(count) + guard_bytes, std::align_val_t(type.instance_align)))) {
+}
 
 Instances::Instances(Instances&& other) noexcept
     : type_(other.type_), memory_(other.memory_), constructed_(other.constructed_) {
@@ -24,8 +31,19 @@ Instances::Instances(Instances&& other) noexcept
   other.constructed_ = 0;
 }
 
+void* Instances::next() {
+  std::memset(at(constructed_ + 1), guard, guard_bytes);
+  return at(constructed_);
+}
+
+bool Instances::constructed() {
+  const auto* behind = static_cast<const unsigned char*>(at(++constructed_));
+  return std::all_of(behind, behind + guard_bytes, [](unsigned char byte) { return byte == guard; });
+}
+
 Instances::~Instances() {
   if (memory_ == nullptr) return;
+  const AtBorder border("destroy", "an instance", *type_);
   for (Index i = 0; type_->destroy != nullptr && i < constructed_; ++i) type_->destroy(type_->self, at(i));
   ::operator delete(memory_, std::align_val_t(type_->instance_align));
 }

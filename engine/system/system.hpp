@@ -111,13 +111,16 @@ class Instances {
   Instances& operator=(Instances&&) = delete;
   ~Instances();
   [[nodiscard]] void* at(Index i) const { return memory_ + static_cast<std::size_t>(i) * type_->instance_bytes; }
-  /// Says that instance `constructed_` has been made by configure; they are made in order.
-  void constructed() { ++constructed_; }
+  /// Where the next one is to be made by configure; they are made in order. What lies behind it is marked.
+  [[nodiscard]] void* next();
+  /// Says that it has been made. False where configure wrote behind its end.
+  bool constructed();
 
  private:
   const bramah_type* type_;
   unsigned char* memory_;
   Index constructed_ = 0;
+  static constexpr std::size_t guard_bytes = 64;  // behind each instance while it is made
 };
 
 /// Pattern of a block with its storage; columns compressed.

@@ -40,6 +40,18 @@ class Mistake : public Cli {
   "simulate": { "to_time": 1, "output_step": 0.25 } })");
     return bramah(verb + " probe.json");
   }
+  /// Two springs of by_hand_M on one mass.
+  [[nodiscard]] Ended run_by_hand(int mistake, const std::string& verb) const {
+    const std::string library = "by_hand_" + std::to_string(mistake), type = library + "/spring";
+    write("by_hand.json", R"({ "bramah": 1, "libraries": ["mechanics", ")" + library + R"("], "components": {
+    "m": { "type": "mechanics/mass", "mass": 1, "position": 0.4 },
+    "s": { "type": ")" + type +
+                              R"(", "along": "m.x", "k": 100, "c": 2 },
+    "s2": { "type": ")" + type +
+                              R"(", "along": "m.x", "k": 50, "c": 1 } },
+  "outputs": ["m.x"], "linearize": { "at": "start" }, "simulate": { "to_time": 1, "output_step": 0.25 } })");
+    return bramah(verb + " by_hand.json");
+  }
   /// What the compiler says first of probe.cpp with the mistake; "" where it compiles.
   [[nodiscard]] std::string compiler(int mistake, const std::string& standard = "c++20") const {
     const std::string log = (folder_ / "compiler.txt").string();
@@ -70,6 +82,12 @@ TEST_F(Mistake, LawMisspeltOrNotConst) {
 TEST_F(Mistake, BreakpointOfAWrongType) {
   EXPECT_THAT(compiler(26), HasSubstr("double next_breakpoint(double t) const"));
 }
+TEST_F(Mistake, ADoubleWhereTEnters) {
+  // The first error is at the author's own line and names the scalar.
+  EXPECT_THAT(compiler(24),
+              MatchesRegex(".*libraries/probe.cpp:[0-9]+:.*cannot convert .*bramah::Trace.* to .*double.*"));
+  EXPECT_THAT(compiler(25), MatchesRegex(".*libraries/probe.cpp:[0-9]+:.*no matching function for call to .*fabs.*"));
+}
 TEST_F(Mistake, OldStandard) { EXPECT_THAT(compiler(0, "c++17"), HasSubstr("Bramah components need C++20")); }
 
 // ---- loading and setting up ----
@@ -77,6 +95,10 @@ TEST_F(Mistake, HandlesThatNobodyDeclared) {
   const char* reason = "a law uses a port, variable or row that describe does not declare";
   EXPECT_THAT(run(4, "check").err, AllOf(HasSubstr("probe_4/spring cannot be used"), HasSubstr(reason)));
   EXPECT_THAT(run(20, "check").err, AllOf(HasSubstr("probe_20/spring cannot be used"), HasSubstr(reason)));
+}
+TEST_F(Mistake, UnitThatDoesNotExist) {
+  EXPECT_THAT(run(3, "check").err, HasSubstr("N/furlong"));
+  EXPECT_NE(run(3, "check").code, 0);
 }
 TEST_F(Mistake, DeclaredAndNeverGiven) {
   EXPECT_THAT(run(5, "check").err, HasSubstr("the output \"force\" is declared and never given a value"));
@@ -95,6 +117,16 @@ TEST_F(Mistake, BadLibraryHurtsNoOther) {
   EXPECT_THAT(list.out, AllOf(HasSubstr("probe_0/spring"), HasSubstr("mechanics/mass"),
                               HasSubstr("the table of materials is missing")));
 }
+TEST_F(Mistake, DescribeThatNeverEnds) {
+  write("endless.json", R"({ "bramah": 1, "libraries": ["probe_16"], "components": {} })");
+  const std::string command = "cd '" + folder_.string() +
+                              "' && BRAMAH_PLUGIN_PATH=" BRAMAH_BINARY_DIR
+                              "/tests/mistakes/endless timeout --preserve-status -s INT 1 " BRAMAH_BINARY_DIR
+                              "/bin/bramah check endless.json 2>err";
+  const int status = std::system(command.c_str());
+  EXPECT_FALSE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  EXPECT_THAT(contents(folder_ / "err"), AllOf(HasSubstr("SIGINT in "), HasSubstr("probe_16.so")));
+}
 TEST_F(Mistake, PathsThatLeadNowhere) {
   fs::create_directories(folder_ / "more");
   fs::create_symlink("nowhere.so", folder_ / "more" / "gone.so");
@@ -104,6 +136,47 @@ TEST_F(Mistake, PathsThatLeadNowhere) {
   EXPECT_THAT(bramah("check gone.json").err, HasSubstr("gone.so is a link to nowhere.so, which does not exist"));
   setenv("BRAMAH_PLUGIN_PATH", (before + ":" + libraries + "/probe_0.so").c_str(), 1);
   EXPECT_THAT(bramah("check gone.json").err, HasSubstr("probe_0.so in BRAMAH_PLUGIN_PATH is a file"));
+}
+
+// ---- tables filled by hand ----
+TEST_F(Mistake, NoneByHand) {
+  const Ended run = run_by_hand(0, "simulate");
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.err, ::testing::Not(HasSubstr("warning")));
+}
+TEST_F(Mistake, PartialsThatAreNotThoseOfTheRows) {
+  // Forgotten in structure; wrong by a factor; marked and not written.
+  const std::pair<int, const char*> mistakes[] = {{1, "evaluate wrote behind the end of a record"},
+                                                  {2, "F_X: d(force on along)/d(along) is 200; differences give 100"},
+                                                  {3, "a partial of block F_V was not written, or is not finite"}};
+  for (const auto& [mistake, reason] : mistakes) {
+    const std::string type = "by_hand_" + std::to_string(mistake) + "/spring";
+    for (const char* verb : {"check", "modes", "linearize", "simulate"}) {
+      const Ended run = run_by_hand(mistake, verb);
+      EXPECT_THAT(run.err, AllOf(HasSubstr("s does not keep what its table promises: " + type), HasSubstr(reason),
+                                 HasSubstr("by_hand_" + std::to_string(mistake) + ".so")))
+          << verb;
+    }
+    const Ended strict = run_by_hand(mistake, "modes --strict");
+    EXPECT_EQ(strict.code, 2) << mistake;
+    EXPECT_THAT(strict.err, HasSubstr(reason));
+  }
+}
+TEST_F(Mistake, WritesBeyondItsMemory) {
+  EXPECT_THAT(run_by_hand(7, "check").err, HasSubstr("by_hand_7/spring writes behind the 8 bytes of its instance"));
+  EXPECT_EQ(run_by_hand(7, "check").code, 2);
+}
+TEST_F(Mistake, CountsBeyondTheirLists) {
+  const Ended types = run_by_hand(5, "check"), parameters = run_by_hand(6, "check");
+  EXPECT_EQ(types.code, 2);
+  EXPECT_THAT(types.err, AllOf(HasSubstr(" of 9 in "), HasSubstr("by_hand_5.so is no description of a type")));
+  EXPECT_EQ(parameters.code, 2);
+  EXPECT_THAT(parameters.err, AllOf(HasSubstr("type by_hand_6/spring of "), HasSubstr("is the count right?")));
+}
+TEST_F(Mistake, StatusWithoutAMessage) {
+  const Ended run = run_by_hand(8, "simulate");
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.err, HasSubstr("s (by_hand_8/spring) cannot be evaluated: it gave status 1 without a message"));
 }
 
 // ---- at run time ----

@@ -98,7 +98,8 @@ TEST(SearchPath, ServesFromEveryFolder) {
 }
 
 TEST(SearchPath, OffersNamesOnceAndWithoutTwins) {
-  EXPECT_THAT(Registry({first, second}).available(), ElementsAre("alone", "other", "shared", "twin"));
+  EXPECT_THAT(Registry({first, second}).available(),
+              ElementsAre("alone", "half", "other", "shared", "stale", "stamped", "twin"));
   EXPECT_TRUE(Registry({first / "nowhere"}).available().empty());
 }
 
@@ -108,7 +109,7 @@ TEST(SearchPath, IsNamedInItsOrderWhereNothingIsFound) {
   EXPECT_EQ(error->code(), "library-missing");
   EXPECT_EQ(error->expected(),
             "a file absent.so in one of: " + fs::canonical(second).string() + ", " + fs::canonical(first).string());
-  EXPECT_THAT(error->remedy(), HasSubstr("alone, other, shared, twin"));
+  EXPECT_THAT(error->remedy(), HasSubstr("alone, half, other, shared, stale, stamped, twin"));
   EXPECT_EQ(refusal([] { Registry({first}).load("aloen"); })->remedy(), "did you mean \"alone\"?");
   EXPECT_EQ(refusal([] { Registry({first}).load("allone"); })->remedy(), "did you mean \"alone\"?");
   EXPECT_THAT(refusal([] { Registry(nowhere).load("alone"); })->remedy(), HasSubstr("BRAMAH_PLUGIN_PATH"));
@@ -169,6 +170,20 @@ TEST(Twin, IsPreferredWhereTheProcessorHasIt) {
   registry.load("twin");
   EXPECT_STREQ(registry.libraries().at("twin").library->version, has_avx2() ? "v3" : "base");
   EXPECT_EQ(registry.libraries().at("twin").file.filename(), has_avx2() ? "twin.v3.so" : "twin.so");
+}
+
+TEST(Twin, OfAnotherBuildIsRefused) {
+  for (const char* isa_name : {static_cast<const char*>(nullptr), "base"}) {
+    const Environment isa("BRAMAH_ISA", isa_name);
+    for (const char* name : {"stale", "half"}) {
+      const auto error = refusal([&] { Registry({first}).load(name); });
+      ASSERT_TRUE(error) << name;
+      EXPECT_EQ(error->code(), "library-twin");
+      EXPECT_THAT(error->found(), HasSubstr(std::string(name) + ".v3.so has the stamp ab"));
+      EXPECT_THAT(error->remedy(), HasSubstr("remove " + std::string(name) + ".v3.so"));
+    }
+    EXPECT_NO_THROW(Registry({first}).load("stamped"));
+  }
 }
 
 TEST(Twin, StaysAwayOnRequest) {

@@ -345,11 +345,20 @@ class Examination {
     if (faults_.size() > before) return false;
 
     const std::vector<bramah_value> values = as_values(settings);
-    memory_ =
-        static_cast<std::byte*>(::operator new(copies* type_.instance_bytes, std::align_val_t(type_.instance_align)));
+    constexpr std::size_t behind = 64;
+    constexpr auto mark = static_cast<std::byte>(0xa5);
+    memory_ = static_cast<std::byte*>(
+        ::operator new(copies* type_.instance_bytes + behind, std::align_val_t(type_.instance_align)));
     for (; made_ < copies; ++made_) {
+      std::byte* const end = memory_ + (made_ + 1) * type_.instance_bytes;
+      std::fill_n(end, behind, mark);
       if (type_.configure(type_.self, memory_ + made_ * type_.instance_bytes, values.data()) != 0) {
         fault("configure failed");
+        return false;
+      }
+      if (std::any_of(end, end + behind, [](std::byte byte) { return byte != mark; })) {
+        fault("configure writes behind the ", type_.instance_bytes,
+              " bytes of its instance: instance_bytes is too small");
         return false;
       }
     }

@@ -24,7 +24,7 @@ struct Spring {
 
   void describe(bramah::Description& is) {
 #if M == 16
-    for (volatile int i = 0;; i = i + 1) {
+    for (volatile int i = 0; i == 0;) {
     }
 #endif
 #if M == 21

@@ -38,3 +38,7 @@ static const bramah_library library = {
 
 const bramah_library* bramah_library_v1(void);
 __attribute__((visibility("default"))) const bramah_library* bramah_library_v1(void) { return &library; }
+
+#ifdef STAMP
+__attribute__((used, section(".bramah_stamp"))) static const char stamp[] = STAMP;
+#endif
