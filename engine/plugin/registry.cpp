@@ -30,6 +30,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t type_size_of_epoch = offsetof(bramah_type, extension) + sizeof(void*);
 constexpr std::size_t library_size_of_epoch = offsetof(bramah_library, type_count) + sizeof(std::int32_t);
 
+constexpr std::int32_t most_slots = 65536;  // of one port or terminal: sums of them are numbers
+
 std::string text(const char* s) { return s == nullptr ? std::string() : std::string(s); }
 
 bool prefers_v3() {
@@ -105,7 +107,8 @@ std::string defect(const bramah_parameter_info& info) {
 std::string defect(const bramah_type& type, const bramah_terminal_info& terminal, const int (&own)[3]) {
   if (!all_said({terminal.doc, terminal.kind, terminal.unit}))
     return "has no doc, kind or unit (\"\" will do for a unit)";
-  if (terminal.family < BRAMAH_X || terminal.family > BRAMAH_U || terminal.slots < 1 || terminal.first < 0)
+  if (terminal.family < BRAMAH_X || terminal.family > BRAMAH_U || terminal.slots < 1 || terminal.slots > most_slots ||
+      terminal.first < 0 || terminal.first > most_slots)
     return "has no family or slots";
   switch (terminal.source) {
     case BRAMAH_OWN:
@@ -188,7 +191,8 @@ std::string defect(const bramah_type& type, std::string_view library) {
     const bramah_port_info& port = type.ports[i];
     const std::string who = "port \"" + text(port.name) + "\" ";
     if (!all_said({port.doc, port.kind, port.unit})) return who + "has no doc, kind or unit (\"\" will do for a unit)";
-    if (port.family < 0 || port.family > 2 || port.slots < 1) return who + "has no family or slots";
+    if (port.family < 0 || port.family > 2 || port.slots < 1 || port.slots > most_slots)
+      return who + "has no family or slots";
     if (port.required == 0 && port.rest == nullptr) return who + "is optional and has no rest values";
     slots[port.family] += port.slots;
   }
@@ -205,16 +209,21 @@ std::string defect(const bramah_type& type, std::string_view library) {
     return "its local variables do not add up";
   }
   if (const auto* switches = extension<bramah_switches>(type, BRAMAH_EXTENSION_SWITCHES)) {
-    if (switches->count < 0 || switches->values == nullptr || (switches->count > 0 && switches->info == nullptr))
+    std::set<std::string> names;
+    if (switches->values == nullptr || switches->count < 0 || (switches->count > 0 && switches->nominal == nullptr))
       return "its switching functions are incomplete";
+    collect("switching function", switches->info, switches->count, names, fault);
+    if (!fault.empty()) return fault;
     for (std::int32_t i = 0; i < switches->count; ++i) {
       if (!all_said({switches->info[i].name, switches->info[i].unit}) || !(switches->nominal[i] > 0.0))
         return "a switching function has no name, unit or nominal above zero";
     }
   }
   if (const auto* validity = extension<bramah_validity>(type, BRAMAH_EXTENSION_VALIDITY)) {
-    if (validity->count < 0 || validity->values == nullptr || (validity->count > 0 && validity->info == nullptr))
-      return "its limits are incomplete";
+    std::set<std::string> names;
+    if (validity->values == nullptr) return "its limits are incomplete";
+    collect("limit", validity->info, validity->count, names, fault);
+    if (!fault.empty()) return fault;
     for (std::int32_t i = 0; i < validity->count; ++i) {
       const bramah_limit_info& limit = validity->info[i];
       if (!all_said({limit.name, limit.doc, limit.unit}) || !(limit.nominal > 0.0))
