@@ -59,12 +59,35 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-Value value_from(std::string_view text) {
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(separator, begin), text.size());
+    parts.push_back(trimmed(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+Value scalar_from(std::string_view text) {
   if (text == "true") return true;
   if (text == "false") return false;
   const std::optional<Quantity> quantity = parse_quantity(text);
   if (quantity && quantity->unit.empty()) return quantity->value;
   return std::string(text);
+}
+
+/// [a, b, ...] is a list of numbers and texts, "80 mm" among them, with or without quotation marks.
+Value value_from(std::string_view text) {
+  if (text.size() < 2 || text.front() != '[' || text.back() != ']') return scalar_from(text);
+  Value::List list;
+  const std::string_view inside = trimmed(text.substr(1, text.size() - 2));
+  if (inside.empty()) return list;
+  for (std::string_view item : split(inside, ',')) {
+    if (item.size() >= 2 && item.front() == '"' && item.back() == '"') item = item.substr(1, item.size() - 2);
+    list.push_back(scalar_from(item));
+  }
+  return list;
 }
 
 constexpr auto kSections =
@@ -169,16 +192,6 @@ void apply_setting(Scene& scene, std::string_view setting) {
 }
 
 namespace {
-
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(separator, begin), text.size());
-    parts.push_back(trimmed(text.substr(begin, end - begin)));
-    begin = end + 1;
-  }
-  return parts;
-}
 
 Value swept_from(std::string_view text) {
   const std::size_t equals = text.find('=');

@@ -79,7 +79,8 @@ std::string pointer(std::string_view parent, std::size_t index);
 
 /// Applies `--set path=text`: `component.parameter=value` or `section.key=value` (section: constants, start, simulate,
 /// linearize, equilibrium, study, sweep, vary, or any other top-level object of the scene). The key is all that follows the
-/// first dot: start.crank.angle sets "crank.angle" of start. The text is a number, true, false, or else a string ("80 mm").
+/// first dot: start.crank.angle sets "crank.angle" of start. The text is a number, true, false, a list of such in
+/// brackets, "[-1.2 m, 0]", or else a string ("80 mm").
 /// Unknown keys are left for `compile` to report; SceneError for a path without a dot or an equals sign, for a first word
 /// that is neither a component nor a section, or is both, and for one that names no object.
 void apply_setting(Scene& scene, std::string_view setting);

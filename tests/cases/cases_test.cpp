@@ -97,7 +97,7 @@ class Answer {
   [[nodiscard]] double element(const std::smatch& match) const {
     const json& model = match[2].matched ? at_time(document_["models"], std::stod(match[2])) : document_;
     const std::string matrix = match[3];
-    const json& states = model.contains("states") ? model["states"] : document_["states"];
+    const json& states = model.contains("states") ? model["states"] : document_.at("states");
     const auto index = [](const json& names, const std::string& name) {
       return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
     };
@@ -123,7 +123,7 @@ class Answer {
       for (const json& c : document_.value("critical", json::array())) result.emplace_back(c["at"][0].get<double>());
       return result;
     }
-    if (name == "states") return {static_cast<double>(document_["states"].size())};
+    if (name == "states") return {static_cast<double>(document_.value("states", json::array()).size())};
     if (name == "zeros" || name == "unstable" || name == "failed") return {document_.at(name).get<double>()};
     if (name.rfind("events ", 0) == 0) {
       double count = 0.0;

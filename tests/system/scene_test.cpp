@@ -114,6 +114,24 @@ TEST(Setting, SetsParameters) {
   EXPECT_EQ(*parameter(scene, "V2", "type").text(), "hydraulics/volume");
 }
 
+TEST(Setting, BracketsAreLists) {
+  Scene scene = sample();
+  apply_setting(scene, "V2.point=[-1.2, 80 mm ,\"3 m\"]");
+  apply_setting(scene, "V2.none=[ ]");
+  apply_setting(scene, "V2.half=[1, 2");
+  apply_setting(scene, "V2.deep=" + std::string(100000, '[') + std::string(100000, ']'));
+  const Value::List* point = parameter(scene, "V2", "point").list();
+  ASSERT_NE(point, nullptr);
+  ASSERT_EQ(point->size(), 3U);
+  EXPECT_EQ(*(*point)[0].number(), -1.2);
+  EXPECT_EQ(*(*point)[1].text(), "80 mm");
+  EXPECT_EQ(*(*point)[2].text(), "3 m");
+  ASSERT_NE(parameter(scene, "V2", "none").list(), nullptr);
+  EXPECT_TRUE(parameter(scene, "V2", "none").list()->empty());
+  EXPECT_EQ(*parameter(scene, "V2", "half").text(), "[1, 2");
+  EXPECT_EQ(parameter(scene, "V2", "deep").list()->size(), 1U);
+}
+
 TEST(Setting, NumbersAreWholeAndFinite) {
   Scene scene = sample();
   for (const char* text : {"1e999", "nan", "inf", "0x10", "1 2", "--1", "1e", "TRUE", "null", ""}) {
