@@ -30,16 +30,17 @@ endfunction()
 # The engine refuses twins whose stamps differ: one of them is old.
 function(bramah_stamp_plugin name twin)
   get_target_property(sources ${name} SOURCES)
-  set(absolute "")
+  set(files "")
   set(headers "")
   foreach(source IN LISTS sources)
     cmake_path(ABSOLUTE_PATH source NORMALIZE)
     cmake_path(GET source PARENT_PATH folder)
     file(GLOB beside CONFIGURE_DEPENDS ${folder}/*.h ${folder}/*.hpp)
-    list(APPEND absolute ${source})
+    list(APPEND files ${source})
     list(APPEND headers ${beside})
   endforeach()
-  list(REMOVE_DUPLICATES headers)
+  list(APPEND files ${headers})
+  list(REMOVE_DUPLICATES files)
   get_property(languages GLOBAL PROPERTY ENABLED_LANGUAGES)
   set(language C)
   set(ending c)
@@ -52,8 +53,8 @@ function(bramah_stamp_plugin name twin)
   string(APPEND flags " ${CMAKE_${language}_FLAGS_${config}}")
   set(stamp ${CMAKE_CURRENT_BINARY_DIR}/${name}_stamp.${ending})
   add_custom_command(OUTPUT ${stamp}
-    COMMAND ${CMAKE_COMMAND} -DOUT=${stamp} "-DFLAGS=${flags}" "-DSOURCES=${absolute}" -P ${BRAMAH_PLUGIN_STAMP}
-    DEPENDS ${absolute} ${headers} ${BRAMAH_PLUGIN_STAMP}
+    COMMAND ${CMAKE_COMMAND} -DOUT=${stamp} "-DFLAGS=${flags}" "-DFILES=${files}" -P ${BRAMAH_PLUGIN_STAMP}
+    DEPENDS ${files} ${BRAMAH_PLUGIN_STAMP}
     COMMENT "Stamping ${name}" VERBATIM)
   add_custom_target(${name}.stamp DEPENDS ${stamp})
   foreach(target ${name} ${twin})

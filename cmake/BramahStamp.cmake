@@ -1,16 +1,9 @@
-# cmake -DOUT=FILE -DFLAGS=... -DSOURCES=A;B;... -P BramahStamp.cmake
+# cmake -DOUT=FILE -DFLAGS=... -DFILES=A;B;... -P BramahStamp.cmake
 #
-# Writes the stamp that both files of a plugin carry: a hash of their sources, of the headers beside these, and of the flags.
+# Writes the stamp that both files of a plugin carry: a hash of the files, and of the flags.
 # No time and no path goes into it, so that builds stay reproducible.
 set(all "${FLAGS}")
-set(files ${SOURCES})
-foreach(source IN LISTS SOURCES)
-  cmake_path(GET source PARENT_PATH folder)
-  file(GLOB headers ${folder}/*.h ${folder}/*.hpp)
-  list(APPEND files ${headers})
-endforeach()
-list(REMOVE_DUPLICATES files)
-foreach(one IN LISTS files)
+foreach(one IN LISTS FILES)
   file(SHA256 ${one} hash)
   string(APPEND all " ${hash}")
 endforeach()

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <bramah/conformance.hpp>
+#include <optional>
 
 #include "plugin/border.hpp"
+#include "system/state_functions.hpp"
 
 namespace bramah {
 namespace {
@@ -19,16 +21,10 @@ Sample sample_of(const System& system, const Group& group, const State& start) {
     sample.parameters.emplace(type.parameters[p].name,
                               is_text ? Setting(component.texts[k].c_str()) : Setting(component.numbers[k]));
   }
-  const auto pick = [](const Vector& from, const std::vector<std::int32_t>& map, std::int32_t slots) {
-    std::vector<double> values;
-    for (std::int32_t j = 0; j < slots; ++j)
-      values.push_back(from[static_cast<std::size_t>(map[static_cast<std::size_t>(j)])]);
-    return values;
-  };
-  sample.x = pick(start.x, group.x, type.nx);
-  sample.v = pick(start.v, group.x, type.nx);
-  sample.z = pick(start.z, group.z, type.nz);
-  sample.u = pick(start.z, group.u, type.nu);
+  gather(start.x, group.x, 0, type.nx, sample.x);
+  gather(start.v, group.x, 0, type.nx, sample.v);
+  gather(start.z, group.z, 0, type.nz, sample.z);
+  gather(start.z, group.u, 0, type.nu, sample.u);
   sample.time = start.t;
   sample.side = start.side;
   return sample;
@@ -39,13 +35,14 @@ Sample sample_of(const System& system, const Group& group, const State& start) {
 std::vector<Diagnostic> examine_hand_written(const Compiled& compiled) {
   const System& system = compiled.system;
   std::vector<Diagnostic> warnings;
+  std::optional<State> start;  // of the scenes that have such types
   for (const Group& group : system.groups) {
     const bramah_type& type = *group.type;
     if (extension<bramah_tangent>(type, BRAMAH_EXTENSION_TANGENT) != nullptr) continue;
     const std::string& name = system.component_name(group.component[0]);
     const AtBorder border("an examination", name.c_str(), type);
-    const Sample sample = sample_of(system, group, initial_state(system, compiled.options.simulate.from_time));
-    const Conformance verdict = detail::Examination(type).run({sample});
+    if (!start) start = initial_state(system, compiled.options.simulate.from_time);
+    const Conformance verdict = detail::Examination(type).run({sample_of(system, group, *start)});
     if (verdict.ok) continue;
     Diagnostic warning;
     warning.severity = Diagnostic::Severity::warning;

@@ -49,7 +49,7 @@ bool parse_point(std::string_view line, std::vector<double>& at, Value& point) {
 Journal::Journal(const Context& context, const std::string& study, const std::string& name) {
   JsonWriter json;
   json.begin_flat_object().member("bramah_journal", study).member("stamp", stamp_of(context)).end_object();
-  header_ = json.take();
+  const std::string header = json.take();
   const Arguments& arguments = context.arguments;
   const fs::path folder(arguments.out);
   if (!arguments.out.empty()) {
@@ -58,23 +58,22 @@ Journal::Journal(const Context& context, const std::string& study, const std::st
   }
   std::error_code ignored;
   const fs::path resume(arguments.resume);
-  if (!arguments.resume.empty()) read(resume);
+  const std::string known = arguments.resume.empty() ? "" : read(resume, header);
   if (file_.empty()) return;
   const bool is_same = !arguments.resume.empty() && resume.filename() == file_.filename() &&
                        fs::equivalent(fs::absolute(resume).parent_path(), folder, ignored);
   if (is_same) {
-    out_.emplace(file_, header_.size() + old_.size());
+    out_.emplace(file_, header.size() + known.size());
   } else {
     out_.emplace(file_);
-    out_->write(header_);
-    out_->write(old_);
+    out_->write(header);
+    out_->write(known);
   }
   out_->keep_on_failure();
   out_->flush();
-  old_.clear();
 }
 
-void Journal::read(const fs::path& file) {
+std::string Journal::read(const fs::path& file, const std::string& header) {
   const fs::path there = OutputFile::there_is(file);
   std::ifstream in(there, std::ios::binary);
   if (there.empty() || !in) {
@@ -83,7 +82,7 @@ void Journal::read(const fs::path& file) {
   }
   std::string line;
   std::getline(in, line);
-  if (line + '\n' != header_) {
+  if (line + '\n' != header) {
     const bool is_journal = line.starts_with("{\"bramah_journal\"") || line.starts_with("{ \"bramah_journal\"");
     refuse(there,
            is_journal ? "the journal of another study, scene or version, or of other settings"
@@ -91,6 +90,7 @@ void Journal::read(const fs::path& file) {
            "the journal of this scene, as it was when it was written, with the same --set and --over",
            "take the journal of this run, or begin anew without --resume");
   }
+  std::string known;
   // The last line may be cut short: the run was killed while it wrote.
   for (std::size_t number = 2; std::getline(in, line) && !in.eof(); ++number) {
     std::vector<double> at;
@@ -100,8 +100,9 @@ void Journal::read(const fs::path& file) {
              "delete that line, and its point is computed again");
     }
     points_.insert_or_assign(std::move(at), std::move(point));
-    old_ += line + '\n';
+    known += line + '\n';
   }
+  return known;
 }
 
 const Value* Journal::find(const std::vector<double>& at) const {

@@ -40,9 +40,9 @@ class Journal {
   [[nodiscard]] std::string last_words() const;
 
  private:
-  void read(const std::filesystem::path& file);
+  /// The lines of its points. Failure where it does not begin with `header`.
+  std::string read(const std::filesystem::path& file, const std::string& header);
   std::filesystem::path file_;
-  std::string header_, old_;  // old_: the lines of points that were read
   std::map<std::vector<double>, Value> points_;
   std::optional<OutputFile> out_;
   std::mutex mutex_;

@@ -9,11 +9,11 @@
 #include <optional>
 
 #include "app/failure.hpp"
+#include "app/mode_set_json.hpp"
 #include "app/parallel.hpp"
 #include "app/progress.hpp"
 #include "app/results.hpp"
 #include "app/varied_scene.hpp"
-#include "io/parse_json.hpp"
 #include "solve/family.hpp"
 #include "system/message.hpp"
 
@@ -175,9 +175,8 @@ class SweptScene {
       again = std::find(chosen_again_.begin(), chosen_again_.end(), at) != chosen_again_.end();
     }
     journal_.add(at, [&](JsonWriter& json) {
-      json.member("zeros", set->zeros).member("chosen_again", again).member("rows", set->right.rows());
-      json.key("values").values(numbers_of(set->values)).key("error").values(set->error);
-      json.key("right").values(numbers_of(set->right.reshaped())).key("left").values(numbers_of(set->left.reshaped()));
+      json.member("chosen_again", again);
+      write_mode_set(json, *set);
     });
   }
   /// As the journal has it; false where it has nothing.
@@ -188,46 +187,17 @@ class SweptScene {
       message = *text->text();
       return true;
     }
-    const auto numbers = [&](const char* key, std::vector<double>& list) {
-      const Value* found = entry->find(key);
-      return found != nullptr && read_numbers(*found, list);
-    };
-    const auto number = [&](const char* key) {
-      const Value* found = entry->find(key);
-      return found != nullptr && found->number() != nullptr ? static_cast<Eigen::Index>(*found->number()) : -1;
-    };
     const Value* again = entry->find("chosen_again");
-    const Eigen::Index rows = number("rows");
-    std::vector<double> values, right, left;
-    ModeSet found;
-    found.zeros = number("zeros");
-    if (!numbers("values", values) || !numbers("error", found.error) || !numbers("right", right) ||
-        !numbers("left", left) || again == nullptr || again->boolean() == nullptr || rows < 0 || found.zeros < 0)
+    set = read_mode_set(*entry);
+    if (!set || again == nullptr || again->boolean() == nullptr) {
+      set.reset();
       return false;
-    const auto modes = static_cast<Eigen::Index>(values.size() / 2);
-    const std::size_t size = 2 * static_cast<std::size_t>(rows * modes);
-    if (values.size() % 2 != 0 || right.size() != size || left.size() != size) return false;
-    const auto complex = [](const std::vector<double>& list) { return reinterpret_cast<const Complex*>(list.data()); };
-    found.values.assign(complex(values), complex(values) + modes);
-    found.right = Eigen::Map<const Eigen::MatrixXcd>(complex(right), rows, modes);
-    found.left = Eigen::Map<const Eigen::MatrixXcd>(complex(left), rows, modes);
-    set = std::move(found);
+    }
     if (*again->boolean()) {
       const std::scoped_lock lock(mutex_);
       chosen_again_.push_back(at);
     }
     return true;
-  }
-  /// Real and imaginary parts in turn.
-  template <class List>
-  static std::vector<double> numbers_of(const List& list) {
-    std::vector<double> numbers;
-    numbers.reserve(2 * static_cast<std::size_t>(list.size()));
-    for (const Complex value : list) {
-      numbers.push_back(value.real());
-      numbers.push_back(value.imag());
-    }
-    return numbers;
   }
 
   const Context& context_;

@@ -8,6 +8,13 @@
 
 namespace bramah {
 
+/// The local numbers of instance `i` of a group, `slots` of them, out of a state's vector.
+inline void gather(const Vector& from, const std::vector<std::int32_t>& map, Index i, std::int32_t slots, Vector& to) {
+  to.clear();
+  for (std::int32_t j = 0; j < slots; ++j)
+    to.push_back(from[static_cast<std::size_t>(map[static_cast<std::size_t>(i * slots + j)])]);
+}
+
 template <class Extension>
 class StateFunctions {
  public:
@@ -63,14 +70,6 @@ class StateFunctions {
   }
 
  private:
-  /// The numbers of instance `i`, `slots` of them.
-  static void gather(const Vector& from, const std::vector<std::int32_t>& map, Index i, std::int32_t slots,
-                     Vector& to) {
-    to.clear();
-    for (std::int32_t j = 0; j < slots; ++j)
-      to.push_back(from[static_cast<std::size_t>(map[static_cast<std::size_t>(i * slots + j)])]);
-  }
-
   const System& system_;
   std::vector<const Extension*> extensions_;  // of each group
   Vector values_, x_, v_, z_, u_;
